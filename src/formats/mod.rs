@@ -1,0 +1,1 @@
+//! Bytes to patterns and back.

@@ -1,0 +1,5 @@
+//! The random filter bank.
+
+/// Random convolution filters.
+#[derive(Debug)]
+pub struct FilterBank;

@@ -1,0 +1,345 @@
+//! Every number a person can choose, its range and its meaning, and the presets.
+//!
+//! [`Parameters::validate`] is the one place where parameters are checked: the command line, the page, files and
+//! links all go through it.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::domain::Boundary;
+
+/// A parameter outside its range.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum ParameterError {
+    /// A number outside its range.
+    #[error("parameter '{name}' is {value}, but must lie between {min} and {max}")]
+    Range {
+        /// The parameter's name, as in files and links.
+        name: &'static str,
+        /// The offending value.
+        value: f64,
+        /// Smallest allowed value.
+        min: f64,
+        /// Largest allowed value.
+        max: f64,
+    },
+    /// A number that must be whole.
+    #[error("parameter '{name}' is {value}, but must be a whole number")]
+    NotWhole {
+        /// The parameter's name, as in files and links.
+        name: &'static str,
+        /// The offending value.
+        value: f64,
+    },
+    /// Two parameters that contradict each other.
+    #[error("parameter '{name}' is {value}, but must be at least '{other}', which is {bound}")]
+    Order {
+        /// The parameter's name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The parameter it must not fall below.
+        other: &'static str,
+        /// That parameter's value.
+        bound: f64,
+    },
+    /// A name that is not one of the choices.
+    #[error("parameter '{name}' is {value:?}, but must be one of {choices}")]
+    Choice {
+        /// The parameter's name.
+        name: &'static str,
+        /// The offending word.
+        value: String,
+        /// What is allowed.
+        choices: &'static str,
+    },
+}
+
+/// A set of parameters under a name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// Seconds: few channels, a grid just fine enough.
+    #[default]
+    Fast,
+    /// A minute or two: more channels, more iterations.
+    Balanced,
+    /// The numbers of Huang et al. 2022.
+    Paper,
+}
+
+impl Preset {
+    /// All presets, quickest first.
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Paper];
+
+    /// The name used in files, links and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Balanced => "balanced",
+            Self::Paper => "paper",
+        }
+    }
+
+    /// The preset of that name.
+    ///
+    /// # Errors
+    /// [`ParameterError::Choice`] when there is none.
+    pub fn from_name(name: &str) -> Result<Self, ParameterError> {
+        Self::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| ParameterError::Choice {
+            name: "preset",
+            value: name.to_owned(),
+            choices: "fast, balanced, paper",
+        })
+    }
+}
+
+/// How the output points start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Start {
+    /// Poisson-disk (blue-noise) points, exactly as many as asked for.
+    #[default]
+    PoissonDisk,
+    /// Independent uniform points.
+    WhiteNoise,
+}
+
+/// What a learning rate is a multiple of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum LearningRateUnit {
+    /// The longer side of the output (the paper's).
+    OutputSide,
+    /// The exemplar's mean spacing d, so that a rate transfers between patterns of different density.
+    Spacing,
+}
+
+/// Everything that, with an exemplar, decides the result. Lengths are in exemplar units (the longer side of the
+/// exemplar is 1) unless the name says otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub struct Parameters {
+    /// Width of the output in widths of the exemplar.
+    pub expansion_x: f64,
+    /// Height of the output in heights of the exemplar.
+    pub expansion_y: f64,
+    /// What lies beyond the output's border.
+    pub boundary: Boundary,
+    /// Decides the start, the filters and the jitter.
+    pub seed: u64,
+    /// How the output points start.
+    pub start: Start,
+    /// Output channels of every random convolution.
+    pub channels: u32,
+    /// Sampling grid: pixels per mean spacing d, before the clamp to `grid_min` … `grid_max`.
+    pub pixels_per_spacing: f64,
+    /// Fewest pixels along the longer side of the exemplar.
+    pub grid_min: u32,
+    /// Most pixels along the longer side of the exemplar.
+    pub grid_max: u32,
+    /// Coarse scales use a coarser grid, as long as their σ keeps this many pixels; 0 keeps one grid for all scales.
+    pub coarse_sigma_px: f64,
+    /// How many scales, from coarse to fine.
+    pub scales: u32,
+    /// The coarsest σ is d divided by this (the paper's c₁).
+    pub sigma_coarse_divisor: f64,
+    /// The finest σ is d divided by this (the paper's c₂).
+    pub sigma_fine_divisor: f64,
+    /// The non-zero Gabor frequency, in cycles per exemplar unit.
+    pub frequency: f64,
+    /// Each iteration shifts every row and every column of the sampling grid by up to this many pixels.
+    pub jitter_px: f64,
+    /// Weight of the Gram loss.
+    pub gram_weight: f64,
+    /// Weight of the deep-correlation loss. The public PyTorch code lets gradient through one of two factors only,
+    /// which amounts to 0.5 here.
+    pub correlation_weight: f64,
+    /// Adam's step on the first (coarsest) scale.
+    pub learning_rate_coarse: f64,
+    /// Adam's step on all later scales.
+    pub learning_rate_fine: f64,
+    /// What the two learning rates are multiples of.
+    pub learning_rate_unit: LearningRateUnit,
+    /// Most iterations on the first scale.
+    pub iterations_coarse: u32,
+    /// Most iterations on each later scale.
+    pub iterations_fine: u32,
+    /// A scale may stop early only after this many iterations; also the window of the convergence test.
+    pub convergence_window: u32,
+    /// A scale stops when the last window brought less than this share of its whole decrease.
+    pub convergence_tolerance: f64,
+}
+
+/// One number's name, range and meaning, for help texts, sliders and checks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Range {
+    /// The name in files, links and messages.
+    pub name: &'static str,
+    /// Smallest allowed value.
+    pub min: f64,
+    /// Largest allowed value.
+    pub max: f64,
+    /// Whether it must be a whole number.
+    pub whole: bool,
+    /// One sentence on what it does.
+    pub meaning: &'static str,
+}
+
+const fn real(name: &'static str, min: f64, max: f64, meaning: &'static str) -> Range {
+    Range { name, min, max, whole: false, meaning }
+}
+
+const fn whole(name: &'static str, min: f64, max: f64, meaning: &'static str) -> Range {
+    Range { name, min, max, whole: true, meaning }
+}
+
+impl Parameters {
+    /// Range and meaning of every numeric parameter, in the order of the struct's fields.
+    pub const RANGES: [Range; 21] = [
+        real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
+        real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
+        whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
+        whole(
+            "channels",
+            4.0,
+            160.0,
+            "Random filters a layer. More see finer differences; the cost grows with the square.",
+        ),
+        real("pixels-per-spacing", 2.0, 16.0, "Pixels of the sampling grid per mean distance between neighbours."),
+        whole("grid-min", 16.0, 256.0, "Fewest pixels along the exemplar's longer side."),
+        whole("grid-max", 16.0, 256.0, "Most pixels along the exemplar's longer side."),
+        real(
+            "coarse-sigma-px",
+            0.0,
+            16.0,
+            "Coarse scales use a coarser grid while σ keeps this many pixels; 0 means never.",
+        ),
+        whole("scales", 1.0, 8.0, "Steps from coarse structure to fine placement."),
+        real("sigma-coarse-divisor", 0.1, 8.0, "The widest σ is the mean spacing divided by this (c₁)."),
+        real("sigma-fine-divisor", 0.1, 8.0, "The narrowest σ is the mean spacing divided by this (c₂)."),
+        real("frequency", 0.0, 16.0, "Cycles of the Gabor waves per exemplar side."),
+        real("jitter-px", 0.0, 2.0, "How far rows and columns of the grid wander between iterations, in pixels."),
+        real("gram-weight", 0.0, 1000.0, "Weight of the Gram loss: which filter answers occur together."),
+        real(
+            "correlation-weight",
+            0.0,
+            1000.0,
+            "Weight of the correlation loss: at which distances structure repeats.",
+        ),
+        real("learning-rate-coarse", 1e-6, 1.0, "Step of the optimiser on the first scale."),
+        real("learning-rate-fine", 1e-6, 1.0, "Step of the optimiser on later scales."),
+        whole("iterations-coarse", 1.0, 5000.0, "Most iterations on the first scale."),
+        whole("iterations-fine", 1.0, 5000.0, "Most iterations on every later scale."),
+        whole("convergence-window", 10.0, 5000.0, "Iterations a scale runs at least, and looks back over."),
+        real("convergence-tolerance", 0.0, 1.0, "A scale ends when its last window brought less than this share."),
+    ];
+
+    /// Every numeric parameter, in the order of [`Self::RANGES`].
+    fn numbers(&self) -> [f64; Self::RANGES.len()] {
+        [
+            self.expansion_x,
+            self.expansion_y,
+            self.seed as f64,
+            self.channels.into(),
+            self.pixels_per_spacing,
+            self.grid_min.into(),
+            self.grid_max.into(),
+            self.coarse_sigma_px,
+            self.scales.into(),
+            self.sigma_coarse_divisor,
+            self.sigma_fine_divisor,
+            self.frequency,
+            self.jitter_px,
+            self.gram_weight,
+            self.correlation_weight,
+            self.learning_rate_coarse,
+            self.learning_rate_fine,
+            self.iterations_coarse.into(),
+            self.iterations_fine.into(),
+            self.convergence_window.into(),
+            self.convergence_tolerance,
+        ]
+    }
+
+    /// The parameters of a preset: a 2 × 2 open output, seed 1.
+    #[must_use]
+    pub fn preset(preset: Preset) -> Self {
+        let paper = Self {
+            expansion_x: 2.0,
+            expansion_y: 2.0,
+            boundary: Boundary::Open,
+            seed: 1,
+            start: Start::PoissonDisk,
+            channels: 120,
+            pixels_per_spacing: 9.0,
+            grid_min: 128,
+            grid_max: 256,
+            coarse_sigma_px: 0.0,
+            scales: 4,
+            sigma_coarse_divisor: 0.8,
+            sigma_fine_divisor: 2.6,
+            frequency: 1.5,
+            jitter_px: 1.0,
+            gram_weight: 0.08,
+            correlation_weight: 1.0,
+            learning_rate_coarse: 0.005,
+            learning_rate_fine: 0.002,
+            learning_rate_unit: LearningRateUnit::OutputSide,
+            iterations_coarse: 500,
+            iterations_fine: 500,
+            convergence_window: 100,
+            convergence_tolerance: 0.01,
+        };
+        match preset {
+            Preset::Paper => paper,
+            Preset::Balanced => Self {
+                channels: 48,
+                pixels_per_spacing: 8.0,
+                grid_min: 48,
+                grid_max: 160,
+                learning_rate_coarse: 0.08,
+                learning_rate_fine: 0.03,
+                learning_rate_unit: LearningRateUnit::Spacing,
+                iterations_coarse: 400,
+                iterations_fine: 200,
+                ..paper
+            },
+            Preset::Fast => Self {
+                channels: 24,
+                pixels_per_spacing: 7.0,
+                grid_min: 32,
+                grid_max: 128,
+                learning_rate_coarse: 0.08,
+                learning_rate_fine: 0.03,
+                learning_rate_unit: LearningRateUnit::Spacing,
+                iterations_coarse: 250,
+                iterations_fine: 100,
+                ..paper
+            },
+        }
+    }
+
+    /// Checks every number against [`Self::RANGES`], and the ones that depend on each other.
+    ///
+    /// # Errors
+    /// The first offence, with the parameter's name, its value and what is allowed.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        for (range, value) in Self::RANGES.iter().zip(self.numbers()) {
+            // Written so that NaN is refused too.
+            if !(value >= range.min && value <= range.max) {
+                return Err(ParameterError::Range { name: range.name, value, min: range.min, max: range.max });
+            }
+            if range.whole && value.fract() != 0.0 {
+                return Err(ParameterError::NotWhole { name: range.name, value });
+            }
+        }
+        let at_least = |name, value: f64, other, bound: f64| {
+            if value < bound { Err(ParameterError::Order { name, value, other, bound }) } else { Ok(()) }
+        };
+        at_least("grid-max", self.grid_max.into(), "grid-min", self.grid_min.into())?;
+        at_least("sigma-fine-divisor", self.sigma_fine_divisor, "sigma-coarse-divisor", self.sigma_coarse_divisor)
+    }
+}

@@ -1,0 +1,8 @@
+//! The ladder of scales.
+
+/// One scale.
+#[derive(Debug)]
+pub struct Scale;
+/// All scales.
+#[derive(Debug)]
+pub struct Schedule;

@@ -1,0 +1,360 @@
+//! The point pattern: positions, classes, named attributes and the domain they live in.
+//!
+//! A [`PointPattern`] can't hold an invalid value: every position is finite and inside the domain, every class index
+//! names a class, every attribute has one finite value a point, and every count is below its cap.
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::domain::{Boundary, Domain};
+
+/// Most points a pattern may hold; the page still draws this many smoothly.
+pub const MAX_POINTS: usize = 20_000;
+/// Most classes a pattern may hold.
+pub const MAX_CLASSES: usize = 16;
+/// Most attributes a pattern may hold.
+pub const MAX_ATTRIBUTES: usize = 8;
+/// Longest name of a class or an attribute, in characters.
+pub const MAX_NAME_LENGTH: usize = 64;
+
+/// Why a pattern was refused. The messages name the value, the place and what is allowed.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PatternError {
+    /// The rectangle is not one.
+    #[error("the domain from ({}, {}) with sides {} × {} can't be used: {reason}", min[0], min[1], size[0], size[1])]
+    Domain {
+        /// Lower corner.
+        min: [f64; 2],
+        /// Width and height.
+        size: [f64; 2],
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// No points at all.
+    #[error("the pattern has no points; at least 1 is needed")]
+    Empty,
+    /// More points, classes or attributes than the cap.
+    #[error("the pattern has {count} {what}; at most {max} are allowed")]
+    TooMany {
+        /// Points, classes or attributes.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many are allowed.
+        max: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("point {index}: {axis} is {value}, but must be a finite number")]
+    NotFinite {
+        /// Which point, from 0.
+        index: usize,
+        /// `x`, `y` or the attribute's name.
+        axis: String,
+        /// The offending value.
+        value: f64,
+    },
+    /// A position lies outside the domain.
+    #[error("point {index} at ({}, {}) lies outside the domain ({}, {}) – ({}, {})", at[0], at[1], min[0], min[1], max[0], max[1])]
+    Outside {
+        /// Which point, from 0.
+        index: usize,
+        /// Where it is.
+        at: [f64; 2],
+        /// Lower corner of the domain.
+        min: [f64; 2],
+        /// Upper corner of the domain.
+        max: [f64; 2],
+    },
+    /// A list does not have one entry a point.
+    #[error("{what} has {count} values for {points} points; one value a point is needed")]
+    Length {
+        /// `classes` or the attribute's name.
+        what: String,
+        /// How many values there are.
+        count: usize,
+        /// How many points there are.
+        points: usize,
+    },
+    /// A class index without a class.
+    #[error("point {index} has class {class}, but there are only {classes} classes (0 to {})", classes.saturating_sub(1))]
+    Class {
+        /// Which point, from 0.
+        index: usize,
+        /// Its class index.
+        class: usize,
+        /// How many classes there are.
+        classes: usize,
+    },
+    /// A name that can't be used.
+    #[error("the name {name:?} can't be used: {reason}")]
+    Name {
+        /// The offending name.
+        name: String,
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+}
+
+/// A named number that every point carries, in its own unit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Attribute {
+    /// What it is called in files and on the page.
+    pub name: String,
+    /// One value a point.
+    pub values: Vec<f64>,
+}
+
+/// Positions with classes and attributes in a rectangle. See the module's words on what it can't hold.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "RawPattern", into = "RawPattern")]
+pub struct PointPattern {
+    domain: Domain,
+    boundary: Boundary,
+    positions: Vec<DVec2>,
+    classes: Vec<u16>,
+    class_names: Vec<String>,
+    attributes: Vec<Attribute>,
+}
+
+/// The serialised form of [`PointPattern`], checked on the way in.
+#[derive(Serialize, Deserialize)]
+struct RawPattern {
+    domain: Domain,
+    #[serde(default)]
+    boundary: Boundary,
+    positions: Vec<[f64; 2]>,
+    #[serde(default)]
+    classes: Vec<u16>,
+    #[serde(default)]
+    class_names: Vec<String>,
+    #[serde(default)]
+    attributes: Vec<Attribute>,
+}
+
+impl TryFrom<RawPattern> for PointPattern {
+    type Error = PatternError;
+    fn try_from(raw: RawPattern) -> Result<Self, PatternError> {
+        let positions = raw.positions.into_iter().map(DVec2::from).collect();
+        let mut pattern = Self::new(raw.domain, positions)?.with_boundary(raw.boundary);
+        if !raw.class_names.is_empty() || !raw.classes.is_empty() {
+            pattern = pattern.with_classes(raw.classes, raw.class_names)?;
+        }
+        for attribute in raw.attributes {
+            pattern = pattern.with_attribute(attribute)?;
+        }
+        Ok(pattern)
+    }
+}
+
+impl From<PointPattern> for RawPattern {
+    fn from(pattern: PointPattern) -> Self {
+        Self {
+            domain: pattern.domain,
+            boundary: pattern.boundary,
+            positions: pattern.positions.into_iter().map(Into::into).collect(),
+            classes: pattern.classes,
+            class_names: pattern.class_names,
+            attributes: pattern.attributes,
+        }
+    }
+}
+
+fn check_name(name: &str) -> Result<(), PatternError> {
+    let refuse = |reason| Err(PatternError::Name { name: name.to_owned(), reason });
+    if name.trim().is_empty() {
+        return refuse("it is empty");
+    }
+    if name.chars().count() > MAX_NAME_LENGTH {
+        return refuse("it is longer than 64 characters");
+    }
+    if name.chars().any(char::is_control) {
+        return refuse("it holds a control character");
+    }
+    Ok(())
+}
+
+impl PointPattern {
+    /// A pattern of one class, named `points`, without attributes, in an open domain.
+    ///
+    /// # Errors
+    /// When there are no points, more than [`MAX_POINTS`], or one that is not finite or lies outside `domain`.
+    pub fn new(domain: Domain, positions: Vec<DVec2>) -> Result<Self, PatternError> {
+        if positions.is_empty() {
+            return Err(PatternError::Empty);
+        }
+        if positions.len() > MAX_POINTS {
+            return Err(PatternError::TooMany { what: "points", count: positions.len(), max: MAX_POINTS });
+        }
+        for (index, point) in positions.iter().enumerate() {
+            for (axis, value) in [("x", point.x), ("y", point.y)] {
+                if !value.is_finite() {
+                    return Err(PatternError::NotFinite { index, axis: axis.to_owned(), value });
+                }
+            }
+            if !domain.contains(*point) {
+                return Err(PatternError::Outside {
+                    index,
+                    at: (*point).into(),
+                    min: domain.min().into(),
+                    max: domain.max().into(),
+                });
+            }
+        }
+        let classes = vec![0; positions.len()];
+        Ok(Self {
+            domain,
+            boundary: Boundary::Open,
+            positions,
+            classes,
+            class_names: vec!["points".to_owned()],
+            attributes: Vec::new(),
+        })
+    }
+
+    /// The same pattern, said to be a window (`Open`) or one tile of a torus (`Periodic`).
+    #[must_use]
+    pub fn with_boundary(mut self, boundary: Boundary) -> Self {
+        self.boundary = boundary;
+        self
+    }
+
+    /// The same points with a class each; `class_names[classes[i]]` is the class of point `i`.
+    ///
+    /// # Errors
+    /// When the lengths differ, an index has no name, a name can't be used, or there are over [`MAX_CLASSES`].
+    pub fn with_classes(mut self, classes: Vec<u16>, class_names: Vec<String>) -> Result<Self, PatternError> {
+        if class_names.len() > MAX_CLASSES {
+            return Err(PatternError::TooMany { what: "classes", count: class_names.len(), max: MAX_CLASSES });
+        }
+        if classes.len() != self.len() {
+            return Err(PatternError::Length { what: "classes".to_owned(), count: classes.len(), points: self.len() });
+        }
+        for (position, name) in class_names.iter().enumerate() {
+            check_name(name)?;
+            if class_names[..position].contains(name) {
+                return Err(PatternError::Name { name: name.clone(), reason: "another class has it already" });
+            }
+        }
+        if let Some((index, &class)) =
+            classes.iter().enumerate().find(|&(_, &class)| usize::from(class) >= class_names.len())
+        {
+            return Err(PatternError::Class { index, class: class.into(), classes: class_names.len() });
+        }
+        self.classes = classes;
+        self.class_names = class_names;
+        Ok(self)
+    }
+
+    /// The same points with one more attribute.
+    ///
+    /// # Errors
+    /// When the length differs, a value is not finite, the name can't be used, or there are over
+    /// [`MAX_ATTRIBUTES`].
+    pub fn with_attribute(mut self, attribute: Attribute) -> Result<Self, PatternError> {
+        if self.attributes.len() >= MAX_ATTRIBUTES {
+            return Err(PatternError::TooMany {
+                what: "attributes",
+                count: self.attributes.len() + 1,
+                max: MAX_ATTRIBUTES,
+            });
+        }
+        check_name(&attribute.name)?;
+        if self.attributes.iter().any(|other| other.name == attribute.name) {
+            return Err(PatternError::Name { name: attribute.name, reason: "another attribute has it already" });
+        }
+        if attribute.values.len() != self.len() {
+            return Err(PatternError::Length {
+                what: attribute.name,
+                count: attribute.values.len(),
+                points: self.len(),
+            });
+        }
+        if let Some((index, &value)) = attribute.values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
+            return Err(PatternError::NotFinite { index, axis: attribute.name, value });
+        }
+        self.attributes.push(attribute);
+        Ok(self)
+    }
+
+    /// How many points there are; at least 1.
+    #[must_use]
+    #[expect(clippy::len_without_is_empty, reason = "a pattern is never empty")]
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// The rectangle the points live in, in their own unit.
+    #[must_use]
+    pub fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    /// Whether the pattern is a window or a tile.
+    #[must_use]
+    pub fn boundary(&self) -> Boundary {
+        self.boundary
+    }
+
+    /// Positions in the pattern's own unit.
+    #[must_use]
+    pub fn positions(&self) -> &[DVec2] {
+        &self.positions
+    }
+
+    /// Class index of every point.
+    #[must_use]
+    pub fn classes(&self) -> &[u16] {
+        &self.classes
+    }
+
+    /// Names of the classes, at least one.
+    #[must_use]
+    pub fn class_names(&self) -> &[String] {
+        &self.class_names
+    }
+
+    /// The named attributes, perhaps none.
+    #[must_use]
+    pub fn attributes(&self) -> &[Attribute] {
+        &self.attributes
+    }
+
+    /// Positions in exemplar units, relative to the domain's lower corner: the longer side is 1.
+    #[must_use]
+    pub fn positions_in_exemplar_units(&self) -> Vec<DVec2> {
+        let unit = self.domain.exemplar_unit();
+        self.positions.iter().map(|&point| (point - self.domain.min()) / unit).collect()
+    }
+
+    /// Mean distance from a point to its nearest neighbour, all classes together, in exemplar units: the method's d
+    /// (Huang et al. 2022, §4). `None` when no point has a neighbour at a positive distance.
+    ///
+    /// Exact duplicates are left out of the mean, so that a doubled point does not shrink every scale.
+    #[must_use]
+    pub fn mean_spacing(&self) -> Option<f64> {
+        let points = self.positions_in_exemplar_units();
+        let size = self.domain.size_in_exemplar_units();
+        let mut sum = 0.0;
+        let mut count = 0_usize;
+        for (i, &a) in points.iter().enumerate() {
+            let mut nearest = f64::INFINITY;
+            for (j, &b) in points.iter().enumerate() {
+                let mut offset = (a - b).abs();
+                if self.boundary == Boundary::Periodic {
+                    offset = offset.min(size - offset);
+                }
+                let distance = offset.length_squared();
+                if i != j && distance > 0.0 && distance < nearest {
+                    nearest = distance;
+                }
+            }
+            if nearest.is_finite() {
+                sum += nearest.sqrt();
+                count += 1;
+            }
+        }
+        (count > 0).then(|| sum / count as f64)
+    }
+}

@@ -1,0 +1,1 @@
+//! The surface the worker of the page calls.

@@ -1,0 +1,2 @@
+//! Everything a person does with the repository.
+fn main() {}
