@@ -1,1 +1,3 @@
 //! What an engine does.
+
+pub mod cpu;
