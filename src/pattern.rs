@@ -334,16 +334,80 @@ impl PointPattern {
     /// Exact duplicates are left out of the mean, so that a doubled point does not shrink every scale.
     #[must_use]
     pub fn mean_spacing(&self) -> Option<f64> {
-        let points = self.positions_in_exemplar_units();
-        let size = self.domain.size_in_exemplar_units();
-        let mut sum = 0.0;
-        let mut count = 0_usize;
+        let period = (self.boundary == Boundary::Periodic).then(|| self.domain.size_in_exemplar_units());
+        mean_nearest_distance(&self.positions_in_exemplar_units(), period)
+    }
+}
+
+/// Mean of the positive distances to the nearest other point, on a torus of size `period` when there is one.
+///
+/// Walks outwards from every point in the order of the axis along which the points spread most, and stops where that
+/// axis alone is farther than the nearest point so far.
+pub(crate) fn mean_nearest_distance(points: &[DVec2], period: Option<DVec2>) -> Option<f64> {
+    let low = points.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+    let high = points.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
+    let axis = usize::from((high - low).y > (high - low).x);
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    order.sort_unstable_by(|&i, &j| {
+        let (a, b) = (points[i], points[j]);
+        a[axis].total_cmp(&b[axis]).then(a[1 - axis].total_cmp(&b[1 - axis]))
+    });
+
+    let mut nearest = vec![f64::INFINITY; points.len()];
+    for (rank, &i) in order.iter().enumerate() {
+        // `gap` is how far the walk has come along the axis, around the torus where it wraps.
+        let mut visit = |j: usize, wrapped: bool| -> bool {
+            let mut offset = (points[i] - points[j]).abs();
+            let gap = match period {
+                Some(period) if wrapped => period[axis] - offset[axis],
+                _ => offset[axis],
+            };
+            if let Some(period) = period {
+                offset = offset.min(period - offset);
+            }
+            let distance = offset.length_squared();
+            if distance > 0.0 && distance < nearest[i] {
+                nearest[i] = distance;
+            }
+            gap * gap < nearest[i]
+        };
+        let up = order[rank + 1..].iter().map(|&j| (j, false));
+        let around = order[..rank].iter().map(|&j| (j, true)).take_while(|_| period.is_some());
+        for (j, wrapped) in up.chain(around) {
+            if !visit(j, wrapped) {
+                break;
+            }
+        }
+        let down = order[..rank].iter().rev().map(|&j| (j, false));
+        let around = order[rank + 1..].iter().rev().map(|&j| (j, true)).take_while(|_| period.is_some());
+        for (j, wrapped) in down.chain(around) {
+            if !visit(j, wrapped) {
+                break;
+            }
+        }
+    }
+
+    // Summed in the order of the points, so that the order of the walk can't change the last digit.
+    let (sum, count) = nearest
+        .iter()
+        .filter(|distance| distance.is_finite())
+        .fold((0.0, 0_usize), |(sum, count), distance| (sum + distance.sqrt(), count + 1));
+    (count > 0).then(|| sum / count as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{Purpose, Rng, white_noise};
+
+    fn brute_force(points: &[DVec2], period: Option<DVec2>) -> Option<f64> {
+        let (mut sum, mut count) = (0.0, 0);
         for (i, &a) in points.iter().enumerate() {
             let mut nearest = f64::INFINITY;
             for (j, &b) in points.iter().enumerate() {
                 let mut offset = (a - b).abs();
-                if self.boundary == Boundary::Periodic {
-                    offset = offset.min(size - offset);
+                if let Some(period) = period {
+                    offset = offset.min(period - offset);
                 }
                 let distance = offset.length_squared();
                 if i != j && distance > 0.0 && distance < nearest {
@@ -355,6 +419,57 @@ impl PointPattern {
                 count += 1;
             }
         }
-        (count > 0).then(|| sum / count as f64)
+        (count > 0).then(|| sum / f64::from(count))
+    }
+
+    /// Noise, a lattice with ties, a vertical line, a cluster with a far point, and duplicates.
+    fn clouds() -> Vec<Vec<DVec2>> {
+        let mut clouds = Vec::new();
+        for seed in 0..20 {
+            let mut rng = Rng::new(seed, Purpose::Gallery);
+            let mut noise = white_noise(&mut rng, DVec2::new(1.0, 0.4), 3 + 11 * seed as usize);
+            clouds.push(noise.clone());
+            noise.extend_from_within(..noise.len() / 2);
+            clouds.push(noise.clone());
+            clouds.push(noise.iter().map(|point| DVec2::new(0.3, point.y)).collect());
+            let mut cluster: Vec<_> = noise.iter().map(|point| *point * 1e-3).collect();
+            cluster.push(DVec2::new(0.99, 0.39));
+            clouds.push(cluster);
+        }
+        clouds.push((0..90).map(|i| DVec2::new(f64::from(i % 10) * 0.1, f64::from(i / 10) * 0.04)).collect());
+        clouds.push(vec![DVec2::ZERO, DVec2::new(1.0, 0.4), DVec2::new(1.0, 0.0), DVec2::new(0.5, 0.2)]);
+        clouds
+    }
+
+    #[test]
+    fn mean_spacing_equals_brute_force() {
+        for points in clouds() {
+            for period in [None, Some(DVec2::new(1.0, 0.4))] {
+                assert_eq!(
+                    mean_nearest_distance(&points, period),
+                    brute_force(&points, period),
+                    "{points:?} {period:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn mean_spacing_needs_two_places() {
+        let here = DVec2::new(0.25, 0.5);
+        assert_eq!(mean_nearest_distance(&[here], None), None);
+        assert_eq!(mean_nearest_distance(&[here; 5], Some(DVec2::ONE)), None);
+        assert_eq!(mean_nearest_distance(&[here, here, DVec2::new(0.75, 0.5)], None), Some(0.5));
+    }
+
+    #[test]
+    fn mean_spacing_of_the_largest_pattern_is_quick() {
+        let mut rng = Rng::new(1, Purpose::Gallery);
+        let points = white_noise(&mut rng, DVec2::ONE, MAX_POINTS);
+        let started = std::time::Instant::now();
+        let spacing = mean_nearest_distance(&points, Some(DVec2::ONE)).unwrap_or_default();
+        // Independent points: half of one over the square root of the density.
+        assert!((spacing - 0.5 / (MAX_POINTS as f64).sqrt()).abs() < 2e-4, "{spacing}");
+        assert!(started.elapsed().as_secs_f64() < 2.0, "{:?}", started.elapsed());
     }
 }

@@ -3,9 +3,11 @@
 //! A share link promises the same start for ever, so the bit stream (ChaCha8) and every distribution drawn from it
 //! are ours to keep: golden values in the tests hold them.
 
+mod lloyd;
 mod poisson_disk;
 mod rng;
 
+pub use lloyd::{lloyd_step, wrap};
 pub use poisson_disk::poisson_disk;
 pub use rng::{Purpose, Rng};
 

@@ -1,2 +1,52 @@
-//! Everything a person does with the repository.
-fn main() {}
+//! Everything a person does with the repository: build the page, serve it, test, compare, look at the gallery.
+
+mod bench_peer;
+mod bench_web;
+mod gallery_sheet;
+mod process;
+mod requirements;
+mod serve;
+mod test;
+mod web;
+mod workload;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+/// Work on Pointweave.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Build the page into dist/: the files of www/ and the crate as WebAssembly.
+    Build(web::BuildArguments),
+    /// Build the WebAssembly module and hold its size against the budget.
+    Size,
+    /// Build the page and serve it on this machine.
+    Serve(serve::ServeArguments),
+    /// Run every check there is: format, lints, native tests, WebAssembly, the page in a browser.
+    Test(test::TestArguments),
+    /// Synthesise from every exemplar of the gallery and put the pictures on one sheet.
+    GallerySheet(gallery_sheet::SheetArguments),
+    /// Time one iteration against the same work in PyTorch, turn by turn.
+    BenchPeer(bench_peer::PeerArguments),
+    /// Time one iteration in headless Chromium against native code on one thread, turn by turn.
+    BenchWeb(bench_web::WebArguments),
+}
+
+fn main() -> Result<()> {
+    match Arguments::parse().command {
+        Command::Build(arguments) => web::build(&arguments).map(|_| ()),
+        Command::Size => web::size(),
+        Command::Serve(arguments) => serve::run(&arguments),
+        Command::Test(arguments) => test::run(&arguments),
+        Command::GallerySheet(arguments) => gallery_sheet::run(&arguments),
+        Command::BenchPeer(arguments) => bench_peer::run(&arguments),
+        Command::BenchWeb(arguments) => bench_web::run(&arguments),
+    }
+}

@@ -1,0 +1,142 @@
+//! PNG, and drawing into any pixmap. Native only: the page draws on its own canvas.
+
+use glam::DVec2;
+use thiserror::Error;
+use tiny_skia::{FillRule, Mask, Paint, PathBuilder, Pixmap, Rect, Stroke, Transform};
+
+use super::style::{self, Color, Layout, Look};
+use super::svg::Ring;
+use crate::pattern::PointPattern;
+
+/// How a PNG is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PngStyle {
+    /// Longer side in pixels, margins included.
+    pub size_px: u32,
+    /// Colours and sizes.
+    pub look: Look,
+}
+
+impl PngStyle {
+    /// Smallest longer side.
+    pub const MIN_SIZE_PX: u32 = 16;
+    /// Largest longer side: 8192² pixels take 268 MB while they are drawn.
+    pub const MAX_SIZE_PX: u32 = 8192;
+}
+
+impl Default for PngStyle {
+    fn default() -> Self {
+        Self { size_px: 1024, look: Look::default() }
+    }
+}
+
+/// Why a picture could not be made.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PngError {
+    /// Too small to see or too large to hold.
+    #[error("a picture of {size_px} pixels can't be drawn; the longer side must have {min} to {max}")]
+    Size {
+        /// The longer side asked for.
+        size_px: u32,
+        /// Smallest allowed.
+        min: u32,
+        /// Largest allowed.
+        max: u32,
+    },
+    /// The encoder refused.
+    #[error("the picture can't be encoded: {0}")]
+    Encode(#[from] png::EncodingError),
+}
+
+/// Draws a pattern as PNG, with the look of [`write_svg`](super::write_svg).
+///
+/// # Errors
+/// When the size is out of range, or the encoder refuses.
+pub fn write_png(pattern: &PointPattern, style: &PngStyle) -> Result<Vec<u8>, PngError> {
+    let size = || PngError::Size { size_px: style.size_px, min: PngStyle::MIN_SIZE_PX, max: PngStyle::MAX_SIZE_PX };
+    if !(PngStyle::MIN_SIZE_PX..=PngStyle::MAX_SIZE_PX).contains(&style.size_px) {
+        return Err(size());
+    }
+    let picture = style::picture_size(pattern, style.size_px.into(), &style.look);
+    let mut pixmap = Pixmap::new(pixels(picture.x), pixels(picture.y)).ok_or_else(size)?;
+    let (width, height) = (f64::from(pixmap.width()), f64::from(pixmap.height()));
+    draw(pattern, &mut pixmap, 0.0, 0.0, width, height, &style.look);
+    encode_png(pixmap)
+}
+
+/// Encodes a drawn pixmap as PNG.
+///
+/// # Errors
+/// When the encoder refuses.
+pub fn encode_png(pixmap: Pixmap) -> Result<Vec<u8>, PngError> {
+    let (width, height) = (pixmap.width(), pixmap.height());
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&pixmap.take_demultiplied())?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// Draws a pattern into the rectangle (`x`, `y`, `width`, `height`) of a pixmap, in pixels, centred and with its
+/// proportions kept; the background fills the whole rectangle. Nothing is drawn when the rectangle is empty.
+pub fn draw(pattern: &PointPattern, pixmap: &mut Pixmap, x: f64, y: f64, width: f64, height: f64, look: &Look) {
+    let (min, size) = (DVec2::new(x, y), DVec2::new(width, height));
+    // Written so that NaN is refused too.
+    if !(min.is_finite() && size.is_finite() && size.min_element() > 0.0) {
+        return;
+    }
+    let layout = style::lay_out(pattern, min, size, look);
+    if let (Some(color), Some(area)) = (look.background, rectangle(min, size)) {
+        pixmap.fill_rect(area, &paint(color), Transform::identity(), None);
+    }
+    let domain = rectangle(layout.min, layout.size);
+    let clip = domain.filter(|_| layout.clipped).and_then(|domain| {
+        let mut mask = Mask::new(pixmap.width(), pixmap.height())?;
+        mask.fill_path(&PathBuilder::from_rect(domain), FillRule::Winding, true, Transform::identity());
+        Some(mask)
+    });
+    draw_disks(&layout, pixmap, clip.as_ref());
+    if let (Some(color), Some(domain)) = (look.frame, domain) {
+        let stroke = Stroke { width: layout.line as f32, ..Stroke::default() };
+        pixmap.stroke_path(&PathBuilder::from_rect(domain), &paint(color), &stroke, Transform::identity(), None);
+    }
+}
+
+fn draw_disks(layout: &Layout, pixmap: &mut Pixmap, clip: Option<&Mask>) {
+    for disk in &layout.disks {
+        let look = style::class_style(disk.class);
+        let ring = Ring::of(disk.radius, layout.line);
+        let radius = if look.hollow { ring.radius } else { disk.radius };
+        let Some(circle) = PathBuilder::from_circle(disk.center.x as f32, disk.center.y as f32, radius as f32) else {
+            continue;
+        };
+        let paint = paint(look.color);
+        if look.hollow {
+            let stroke = Stroke { width: ring.width as f32, ..Stroke::default() };
+            pixmap.stroke_path(&circle, &paint, &stroke, Transform::identity(), clip);
+        } else {
+            pixmap.fill_path(&circle, &paint, FillRule::Winding, Transform::identity(), clip);
+        }
+    }
+}
+
+fn pixels(length: f64) -> u32 {
+    // Saturates, and at most MAX_SIZE_PX by then.
+    (length.round() as u32).max(1)
+}
+
+fn rectangle(min: DVec2, size: DVec2) -> Option<Rect> {
+    Rect::from_xywh(min.x as f32, min.y as f32, size.x as f32, size.y as f32)
+}
+
+fn paint(color: Color) -> Paint<'static> {
+    let mut paint = Paint::default();
+    paint.set_color_rgba8(color.red, color.green, color.blue, 255);
+    paint.anti_alias = true;
+    paint
+}

@@ -1,0 +1,170 @@
+//! The page: the crate as WebAssembly with its JavaScript half, beside the files of `www/`, in `dist/`.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use flate2::{Compression, write::GzEncoder};
+use wasm_bindgen_cli_support::Bindgen;
+
+use crate::process;
+
+/// Most bytes the compressed module may take. The wish is 400 kB, about what a photograph on a page weighs; whoever
+/// raises this says in the commit what the bytes are for.
+const GZIP_BUDGET: usize = 400_000;
+
+const TRIPLE: &str = "wasm32-unknown-unknown";
+const MODULE: &str = "pointweave_bg.wasm";
+
+/// Options of `cargo xtask build`.
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub(crate) struct BuildArguments {
+    /// Shrink the module with the wasm-opt of npm's binaryen, which must be installed in node_modules/.
+    ///
+    /// Never a distribution's: version 108 writes broken modules without a word.
+    #[arg(long)]
+    optimize: bool,
+}
+
+/// Where the built page lies.
+pub(crate) fn dist() -> PathBuf {
+    process::root().join("dist")
+}
+
+/// Builds the page into `dist/`, which is replaced as a whole. Returns that folder.
+pub(crate) fn build(arguments: &BuildArguments) -> Result<PathBuf> {
+    let www = process::root().join("www");
+    if !www.is_dir() {
+        bail!("{} is missing: there is no page to build", www.display());
+    }
+    // Prepared aside and moved in one go: a server that is running never shows half a page.
+    let staging = process::target().join("dist-staging");
+    remove(&staging)?;
+    copy_folder(&www, &staging)?;
+    compile(&staging.join("pkg"))?;
+    if arguments.optimize {
+        shrink(&staging.join("pkg").join(MODULE))?;
+    }
+    let dist = dist();
+    remove(&dist)?;
+    fs::rename(&staging, &dist)
+        .with_context(|| format!("{} can't be moved to {}", staging.display(), dist.display()))?;
+    println!("The page is in {}", dist.display());
+    Ok(dist)
+}
+
+/// Builds the module and fails when it is over its budget.
+pub(crate) fn size() -> Result<()> {
+    let folder = process::target().join("wasm-size");
+    remove(&folder)?;
+    compile(&folder)?;
+    check_size(&folder.join(MODULE))
+}
+
+/// Fails when the page in `dist/` holds a module over its budget.
+pub(crate) fn check_built_size() -> Result<()> {
+    check_size(&dist().join("pkg").join(MODULE))
+}
+
+fn check_size(module: &Path) -> Result<()> {
+    let bytes = fs::read(module).with_context(|| format!("{} can't be read", module.display()))?;
+    let compressed = gzip_size(&bytes)?;
+    println!("{MODULE}: {} bytes, {compressed} compressed; the budget is {GZIP_BUDGET}", bytes.len());
+    if compressed > GZIP_BUDGET {
+        bail!("the compressed module is {} bytes over its budget of {GZIP_BUDGET}", compressed - GZIP_BUDGET);
+    }
+    Ok(())
+}
+
+fn gzip_size(bytes: &[u8]) -> Result<usize> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    encoder.write_all(bytes)?;
+    Ok(encoder.finish()?.len())
+}
+
+/// Compiles the crate and writes `pointweave.js` and its module into `folder`.
+fn compile(folder: &Path) -> Result<()> {
+    process::run(process::cargo().args(["build", "--locked", "--profile", "wasm", "--target", TRIPLE, "--lib"]))?;
+    let compiled = process::target().join(TRIPLE).join("wasm").join("pointweave.wasm");
+    Bindgen::new()
+        .input_path(&compiled)
+        .web(true)?
+        .typescript(false)
+        // Without this the generated `init()` throws unless it is told where the module is.
+        .omit_default_module_path(false)
+        .generate(folder)
+        .with_context(|| format!("no JavaScript could be made for {}", compiled.display()))
+}
+
+fn shrink(module: &Path) -> Result<()> {
+    let tool = process::root().join("node_modules/.bin/wasm-opt");
+    if !tool.is_file() {
+        bail!("{} is missing; `npm install --no-save binaryen` brings it", tool.display());
+    }
+    process::run(process::command(tool).arg("-O3").arg(module).arg("-o").arg(module))
+}
+
+fn remove(folder: &Path) -> Result<()> {
+    if folder.exists() {
+        fs::remove_dir_all(folder).with_context(|| format!("{} can't be removed", folder.display()))?;
+    }
+    Ok(())
+}
+
+fn copy_folder(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to).with_context(|| format!("{} can't be made", to.display()))?;
+    for entry in fs::read_dir(from).with_context(|| format!("{} can't be listed", from.display()))? {
+        let entry = entry?;
+        let (source, copy) = (entry.path(), to.join(entry.file_name()));
+        if entry.file_name().to_string_lossy().starts_with('.') {
+            continue;
+        }
+        if source.is_dir() {
+            copy_folder(&source, &copy)?;
+        } else {
+            fs::copy(&source, &copy).with_context(|| format!("{} can't be copied", source.display()))?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+    use super::*;
+
+    #[test]
+    fn folders_are_copied_whole_but_for_hidden_files() {
+        let base = std::env::temp_dir().join(format!("pointweave-copy-{}", std::process::id()));
+        let (from, to) = (base.join("from"), base.join("to"));
+        fs::create_dir_all(from.join("app")).unwrap();
+        fs::write(from.join("app/main.js"), "1").unwrap();
+        fs::write(from.join(".secret"), "2").unwrap();
+        copy_folder(&from, &to).unwrap();
+        assert_eq!(fs::read_to_string(to.join("app/main.js")).unwrap(), "1");
+        assert!(!to.join(".secret").exists());
+        fs::remove_dir_all(&base).unwrap();
+    }
+
+    #[test]
+    fn a_module_over_the_budget_is_refused() {
+        let file = std::env::temp_dir().join(format!("pointweave-size-{}.wasm", std::process::id()));
+        // A multiplicative generator's bytes don't compress.
+        let mut state = 1_u64;
+        let noise = |length: usize, state: &mut u64| -> Vec<u8> {
+            (0..length)
+                .map(|_| {
+                    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                    (*state >> 56) as u8
+                })
+                .collect()
+        };
+        fs::write(&file, noise(GZIP_BUDGET + 1, &mut state)).unwrap();
+        assert!(check_size(&file).unwrap_err().to_string().contains("over its budget"));
+        fs::write(&file, noise(GZIP_BUDGET / 2, &mut state)).unwrap();
+        check_size(&file).unwrap();
+        fs::remove_file(&file).unwrap();
+    }
+}
