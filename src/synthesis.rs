@@ -4,11 +4,22 @@
 //! paper's size in a browser) and says what happened. Whoever drives it (command line, worker, test) decides when to
 //! call it again, so pause and cancel need no flags and the page pulls at its own pace.
 
+use std::sync::Arc;
+
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::method::{ParameterError, Parameters};
-use crate::pattern::{PatternError, PointPattern};
+use crate::engine::cpu::adam::Adam;
+use crate::engine::cpu::network::{Network, Stage};
+use crate::engine::cpu::{CpuEngine, Float};
+use crate::engine::{Advance, ScaleSetup};
+use crate::method::parameters::Start;
+use crate::method::schedule::converged;
+use crate::method::{ParameterError, Parameters, Schedule};
+use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
+use crate::sampling::{Purpose, Rng, poisson_disk, white_noise};
+use crate::{Boundary, Domain};
 
 /// The loss of one iteration and its terms, weights included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -125,11 +136,35 @@ pub enum SynthesisError {
 pub struct Synthesis {
     exemplar: PointPattern,
     parameters: Parameters,
+    schedule: Schedule,
+    /// Exemplar points by class, in exemplar units.
+    exemplar_classes: Vec<Vec<DVec2>>,
+    output_size: DVec2,
+    /// The same rectangle in the exemplar's own unit.
+    output_domain: Domain,
+    /// Output points, class after class, in exemplar units: the classes done and the one at hand.
+    points: Vec<DVec2>,
+    /// Where each started class begins in `points`.
+    class_starts: Vec<usize>,
+    class: usize,
+    scale: usize,
+    /// Losses of the scale at hand, one an iteration.
+    losses: Vec<f64>,
+    total_iterations: u64,
+    finished: bool,
+    /// Set by a resumed run until its engine is built.
+    resumed: Option<Adam>,
+    engine: Option<CpuEngine>,
+    /// The filters of the scale before.
+    network: Option<Arc<Network<Float>>>,
 }
+
+/// Version of [`SynthesisState`]'s layout.
+const STATE_VERSION: u32 = 1;
 
 /// Everything needed to continue a run later, bit for bit. Taken between iterations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub struct SynthesisState {
     /// Version of this layout.
     pub version: u32,
@@ -137,6 +172,20 @@ pub struct SynthesisState {
     pub exemplar: PointPattern,
     /// The parameters.
     pub parameters: Parameters,
+    /// Output points in exemplar units, class after class.
+    pub points: Vec<DVec2>,
+    /// Class at hand.
+    pub class: usize,
+    /// Scale at hand.
+    pub scale: usize,
+    /// Losses of the scale at hand.
+    pub losses: Vec<f64>,
+    /// Iterations done in the whole run.
+    pub total_iterations: u64,
+    /// Whether everything is done.
+    pub finished: bool,
+    /// Adam's moments of the moving points.
+    pub adam: Adam,
 }
 
 impl Synthesis {
@@ -145,38 +194,339 @@ impl Synthesis {
     /// # Errors
     /// When a parameter is out of range, the exemplar has no spacing to measure, or the run would not fit.
     pub fn new(exemplar: PointPattern, parameters: Parameters, memory_limit: u64) -> Result<Self, SynthesisError> {
-        let _ = memory_limit;
+        let mut run = Self::prepare(exemplar, parameters, memory_limit)?;
+        run.begin_class();
+        Ok(run)
+    }
+
+    /// Everything that [`Self::new`] and [`Self::resume`] share.
+    fn prepare(exemplar: PointPattern, parameters: Parameters, memory_limit: u64) -> Result<Self, SynthesisError> {
         parameters.validate()?;
-        Ok(Self { exemplar, parameters })
+        let spacing = exemplar
+            .mean_spacing()
+            .ok_or(SynthesisError::Exemplar("it needs at least two points at different positions"))?;
+        let output_size =
+            exemplar.domain().size_in_exemplar_units() * DVec2::new(parameters.expansion_x, parameters.expansion_y);
+        let domain = exemplar.domain();
+        let output_domain =
+            Domain::new(domain.min(), domain.size() * DVec2::new(parameters.expansion_x, parameters.expansion_y))?;
+        let positions = exemplar.positions_in_exemplar_units();
+        let mut exemplar_classes = vec![Vec::new(); exemplar.class_names().len()];
+        for (position, &class) in positions.iter().zip(exemplar.classes()) {
+            exemplar_classes[usize::from(class)].push(*position);
+        }
+        let run = Self {
+            schedule: Schedule::new(&parameters, spacing, output_size),
+            exemplar_classes,
+            output_size,
+            output_domain,
+            points: Vec::new(),
+            class_starts: Vec::new(),
+            class: 0,
+            scale: 0,
+            losses: Vec::new(),
+            total_iterations: 0,
+            finished: false,
+            resumed: None,
+            engine: None,
+            network: None,
+            exemplar,
+            parameters,
+        };
+        let total: usize = (0..run.classes()).map(|class| run.output_count(class)).sum();
+        if total > MAX_POINTS {
+            return Err(PatternError::TooMany { what: "points in the output", count: total, max: MAX_POINTS }.into());
+        }
+        run.check_memory(memory_limit)?;
+        Ok(run)
+    }
+
+    fn classes(&self) -> usize {
+        self.exemplar_classes.len()
+    }
+
+    /// How many points of a class the output has: the exemplar's count times the area (Huang et al. 2022, §4.4).
+    fn output_count(&self, class: usize) -> usize {
+        let area = self.parameters.expansion_x * self.parameters.expansion_y;
+        let count = self.exemplar_classes[class].len();
+        if count == 0 { 0 } else { ((count as f64 * area).round() as usize).max(1) }
+    }
+
+    /// Bytes the run takes at its peak, with these parameters.
+    fn memory_needed(&self, parameters: &Parameters) -> u64 {
+        let size = self.exemplar.domain().size_in_exemplar_units();
+        let output_size = size * DVec2::new(parameters.expansion_x, parameters.expansion_y);
+        let Some(spacing) = self.exemplar.mean_spacing() else { return 0 };
+        let last = self.classes().saturating_sub(1);
+        let area = parameters.expansion_x * parameters.expansion_y;
+        let points = (self.exemplar.len() as f64 * area).ceil() as usize;
+        Schedule::new(parameters, spacing, output_size)
+            .scales
+            .iter()
+            .map(|scale| {
+                let setup = ScaleSetup::new(
+                    parameters,
+                    scale,
+                    (last as u16, 0),
+                    self.exemplar.positions_in_exemplar_units(),
+                    size,
+                    self.exemplar.boundary(),
+                    output_size,
+                );
+                CpuEngine::bytes_for(&setup, parameters.channels as usize, points)
+            })
+            .max()
+            .unwrap_or(0)
+    }
+
+    fn check_memory(&self, limit: u64) -> Result<(), SynthesisError> {
+        let needed = self.memory_needed(&self.parameters);
+        if needed <= limit {
+            return Ok(());
+        }
+        // What would fit, changing one parameter at a time.
+        let fits = |change: &dyn Fn(&mut Parameters)| {
+            let mut parameters = self.parameters.clone();
+            change(&mut parameters);
+            self.memory_needed(&parameters) <= limit
+        };
+        let mut ways = Vec::new();
+        if let Some(channels) =
+            (4..self.parameters.channels).rev().find(|&c| c % 4 == 0 && fits(&|p: &mut Parameters| p.channels = c))
+        {
+            ways.push(format!("'channels' to {channels}"));
+        }
+        let shrink = |share: f64| (self.parameters.expansion_x * share, self.parameters.expansion_y * share);
+        if let Some((x, y)) = (1..20).rev().map(|i| shrink(f64::from(i) / 20.0)).find(|&(x, y)| {
+            x >= 0.25 && y >= 0.25 && fits(&|p: &mut Parameters| (p.expansion_x, p.expansion_y) = (x, y))
+        }) {
+            ways.push(format!("the expansion to {x:.2} × {y:.2}"));
+        }
+        let grid = |g: u32| {
+            fits(&|p: &mut Parameters| {
+                p.grid_max = g;
+                p.grid_min = p.grid_min.min(g);
+            })
+        };
+        if let Some(grid) = (16..self.parameters.grid_max).rev().step_by(4).find(|&g| grid(g)) {
+            ways.push(format!("'grid-max' to {grid}"));
+        }
+        if ways.is_empty() {
+            ways.push("'channels', the expansion and 'grid-max' together".to_owned());
+        }
+        let mb = |bytes: u64| bytes.div_ceil(1_000_000);
+        Err(SynthesisError::Memory { needed_mb: mb(needed), limit_mb: limit / 1_000_000, lower: ways.join(" or ") })
+    }
+
+    /// Scatters the points of the class at hand; passes over classes without points.
+    fn begin_class(&mut self) {
+        while self.class < self.classes() && self.output_count(self.class) == 0 {
+            self.class_starts.push(self.points.len());
+            self.class += 1;
+        }
+        if self.class == self.classes() {
+            self.class -= 1;
+            self.finished = true;
+            return;
+        }
+        self.class_starts.push(self.points.len());
+        let count = self.output_count(self.class);
+        let mut rng = Rng::new(self.parameters.seed, Purpose::Start(self.class as u16));
+        let start = match self.parameters.start {
+            Start::PoissonDisk => poisson_disk(&mut rng, self.output_size, count, self.parameters.boundary),
+            Start::WhiteNoise => white_noise(&mut rng, self.output_size, count),
+        };
+        self.points.extend(start);
+        self.scale = 0;
+        self.losses.clear();
+    }
+
+    /// Where the class at hand begins in `points`.
+    fn moving_from(&self) -> usize {
+        self.class_starts[self.class]
+    }
+
+    fn begin_scale(&mut self) -> Event {
+        let setup = ScaleSetup::new(
+            &self.parameters,
+            &self.schedule.scales[self.scale],
+            (self.class as u16, self.scale as u16),
+            self.exemplar_classes[..=self.class].concat(),
+            self.exemplar.domain().size_in_exemplar_units(),
+            self.exemplar.boundary(),
+            self.output_size,
+        );
+        let network = CpuEngine::network(&setup, self.parameters.channels as usize, self.network.take());
+        let grid = setup.output_view.grid;
+        let sigma = setup.output_view.wave.sigma;
+        let moving_from = self.moving_from();
+        let adam = self.resumed.take().unwrap_or_else(|| Adam::new(self.points.len() - moving_from));
+        let iteration = self.losses.len() as u32;
+        self.engine = Some(CpuEngine::new(setup, network, self.points.clone(), moving_from, adam, iteration));
+        Event::ScaleStarted { progress: self.progress(), sigma, grid: [grid.width, grid.height] }
+    }
+
+    /// The stage of the engine that the next [`Self::advance`] works on, for timings.
+    #[must_use]
+    pub fn stage(&self) -> Option<Stage> {
+        self.engine.as_ref().and_then(CpuEngine::stage)
     }
 
     /// Does one bounded piece of work.
     ///
     /// # Errors
-    /// When the loss stops being finite, or a scale's grid can't be allocated.
+    /// When the loss stops being finite; the points of the iteration before are kept.
     pub fn advance(&mut self) -> Result<Event, SynthesisError> {
-        Ok(Event::Finished)
+        if self.finished {
+            return Ok(Event::Finished);
+        }
+        if self.engine.is_some() && self.scale_is_over() {
+            return Ok(self.end_scale());
+        }
+        let Some(engine) = &mut self.engine else { return Ok(self.begin_scale()) };
+        match engine.advance() {
+            Advance::Working => Ok(Event::Working),
+            Advance::NotFinite => {
+                Err(SynthesisError::NotFinite { scale: self.scale, iteration: self.losses.len() as u32 })
+            }
+            Advance::Iterated(loss) => {
+                self.points.copy_from_slice(engine.points());
+                self.losses.push(loss.total());
+                self.total_iterations += 1;
+                Ok(Event::Iterated { progress: self.progress(), loss })
+            }
+        }
     }
 
-    /// The output as it stands, in the exemplar's own unit, with classes and attributes.
+    fn scale_converged(&self) -> bool {
+        converged(&self.losses, self.parameters.convergence_window as usize, self.parameters.convergence_tolerance)
+    }
+
+    fn scale_is_over(&self) -> bool {
+        self.losses.len() >= self.schedule.scales[self.scale].iterations as usize || self.scale_converged()
+    }
+
+    fn end_scale(&mut self) -> Event {
+        let event = Event::ScaleFinished { progress: self.progress(), converged: self.scale_converged() };
+        self.network = self.engine.take().map(CpuEngine::into_network);
+        self.losses.clear();
+        self.scale += 1;
+        if self.scale == self.schedule.scales.len() {
+            self.scale -= 1;
+            self.class += 1;
+            if self.class == self.classes() {
+                self.class -= 1;
+                self.finished = true;
+                self.network = None;
+            } else {
+                self.begin_class();
+            }
+        }
+        event
+    }
+
+    /// Runs until `iterations` more are done or the run is over.
+    ///
+    /// # Errors
+    /// Those of [`Self::advance`].
+    pub fn run(&mut self, iterations: u64) -> Result<(), SynthesisError> {
+        let end = self.total_iterations.saturating_add(iterations);
+        while self.total_iterations < end && self.advance()? != Event::Finished {}
+        Ok(())
+    }
+
+    /// Positions of the output as they stand, in exemplar units, class after class.
     #[must_use]
-    pub fn output(&self) -> PointPattern {
-        self.exemplar.clone()
+    pub fn points(&self) -> &[DVec2] {
+        &self.points
+    }
+
+    /// Width and height of the output in exemplar units.
+    #[must_use]
+    pub fn output_size(&self) -> DVec2 {
+        self.output_size
+    }
+
+    /// The output as it stands, in the exemplar's own unit, with classes and attributes. Classes that have not begun
+    /// are missing from it.
+    ///
+    /// # Errors
+    /// Never for a run that has begun; the pattern checks itself nevertheless.
+    pub fn output(&self) -> Result<PointPattern, SynthesisError> {
+        let domain = self.exemplar.domain();
+        let unit = domain.exemplar_unit();
+        let output_domain = self.output_domain;
+        let positions = self
+            .points
+            .iter()
+            // The last digit may round over the border.
+            .map(|&point| (domain.min() + point * unit).clamp(output_domain.min(), output_domain.max()))
+            .collect();
+        let mut classes = Vec::with_capacity(self.points.len());
+        for (class, &start) in self.class_starts.iter().enumerate() {
+            let end = self.class_starts.get(class + 1).copied().unwrap_or(self.points.len());
+            classes.extend(std::iter::repeat_n(class as u16, end - start));
+        }
+        let sources = self.attribute_sources();
+        let mut output = PointPattern::new(output_domain, positions)?
+            .with_boundary(self.parameters.boundary)
+            .with_classes(classes, self.exemplar.class_names().to_vec())?;
+        for attribute in self.exemplar.attributes() {
+            let values = sources.iter().map(|&source| attribute.values[source]).collect();
+            output = output.with_attribute(Attribute { name: attribute.name.clone(), values })?;
+        }
+        Ok(output)
+    }
+
+    /// For every output point the exemplar point whose attributes it carries: each class's own, all of them repeated
+    /// as often as the area asks, in random order (Huang et al. 2022, §4.5).
+    fn attribute_sources(&self) -> Vec<usize> {
+        let mut sources = Vec::with_capacity(self.points.len());
+        for (class, &start) in self.class_starts.iter().enumerate() {
+            let end = self.class_starts.get(class + 1).copied().unwrap_or(self.points.len());
+            let mut members: Vec<usize> = (0..self.exemplar.len())
+                .filter(|&point| usize::from(self.exemplar.classes()[point]) == class)
+                .collect();
+            let mut rng = Rng::new(self.parameters.seed, Purpose::Attributes(class as u16));
+            let mut left = end - start;
+            while left > 0 {
+                rng.shuffle(&mut members);
+                let count = left.min(members.len());
+                sources.extend(&members[..count]);
+                left -= count;
+            }
+        }
+        sources
     }
 
     /// Where the run stands.
     #[must_use]
     pub fn progress(&self) -> Progress {
+        let scales = &self.schedule.scales;
+        // Work grows with the pixels of the grid.
+        let work = |scale: usize| f64::from(scales[scale].iterations) * scales[scale].resolution.powi(2);
+        let all: f64 = (0..scales.len()).map(work).sum();
+        let before: f64 = (0..self.scale).map(work).sum();
+        let limit = scales[self.scale].iterations;
+        let iteration = self.losses.len() as u32;
+        let current = work(self.scale) * f64::from(iteration) / f64::from(limit);
+        let class_done = if self.finished { 1.0 } else { (before + current) / all };
         Progress {
-            class: 0,
-            classes: 1,
-            scale: 0,
-            scales: 4,
-            iteration: 0,
-            iterations: 0,
-            total_iterations: 0,
-            done: 0.0,
+            class: self.class,
+            classes: self.classes(),
+            scale: self.scale,
+            scales: scales.len(),
+            iteration,
+            iterations: limit,
+            total_iterations: self.total_iterations,
+            done: (self.class as f64 + class_done) / self.classes() as f64,
         }
+    }
+
+    /// The exemplar of the run.
+    #[must_use]
+    pub fn exemplar(&self) -> &PointPattern {
+        &self.exemplar
     }
 
     /// The parameters of the run.
@@ -185,10 +535,27 @@ impl Synthesis {
         &self.parameters
     }
 
-    /// Everything needed to continue later.
+    /// Everything needed to continue later. An iteration that is only partly done is done again.
     #[must_use]
     pub fn state(&self) -> SynthesisState {
-        SynthesisState { version: 1, exemplar: self.exemplar.clone(), parameters: self.parameters.clone() }
+        let fresh = || Adam::new(self.class_starts.get(self.class).map_or(0, |start| self.points.len() - start));
+        let adam = match (&self.engine, &self.resumed) {
+            (Some(engine), _) => engine.adam().clone(),
+            (None, Some(adam)) => adam.clone(),
+            (None, None) => fresh(),
+        };
+        SynthesisState {
+            version: STATE_VERSION,
+            exemplar: self.exemplar.clone(),
+            parameters: self.parameters.clone(),
+            points: self.points.clone(),
+            class: self.class,
+            scale: self.scale,
+            losses: self.losses.clone(),
+            total_iterations: self.total_iterations,
+            finished: self.finished,
+            adam,
+        }
     }
 
     /// Continues a saved run.
@@ -196,6 +563,57 @@ impl Synthesis {
     /// # Errors
     /// When the state does not fit together, or would not fit into `memory_limit` bytes.
     pub fn resume(state: SynthesisState, memory_limit: u64) -> Result<Self, SynthesisError> {
-        Self::new(state.exemplar, state.parameters, memory_limit)
+        let refuse = |reason: String| Err(SynthesisError::State(reason));
+        if state.version != STATE_VERSION {
+            return refuse(format!("its version is {}, this program reads {STATE_VERSION}", state.version));
+        }
+        let mut run = Self::prepare(state.exemplar, state.parameters, memory_limit)?;
+        if state.class >= run.classes() {
+            return refuse(format!("it is at class {}, but the exemplar has {}", state.class, run.classes()));
+        }
+        if state.scale >= run.schedule.scales.len() {
+            return refuse(format!("it is at scale {}, but there are {}", state.scale, run.schedule.scales.len()));
+        }
+        let mut start = 0;
+        for class in 0..=state.class {
+            run.class_starts.push(start);
+            start += run.output_count(class);
+        }
+        if state.points.len() != start {
+            return refuse(format!("it has {} points, but {start} belong to its classes", state.points.len()));
+        }
+        let (size, moving) = (run.output_size, start - run.class_starts[state.class]);
+        let inside = |p: &DVec2| p.x >= 0.0 && p.y >= 0.0 && p.x <= size.x && p.y <= size.y;
+        if let Some(index) = state.points.iter().position(|point| !inside(point)) {
+            return refuse(format!("point {index} lies outside the output"));
+        }
+        if state.losses.len() > run.schedule.scales[state.scale].iterations as usize
+            || state.losses.iter().any(|loss| !loss.is_finite())
+        {
+            return refuse("its losses are not those of this scale".to_owned());
+        }
+        let adam = &state.adam;
+        if adam.first.len() != moving || adam.second.len() != moving {
+            return refuse(format!("its optimiser moves {} points, but the class has {moving}", adam.first.len()));
+        }
+        if adam.first.iter().chain(&adam.second).any(|v| !v.is_finite())
+            || adam.second.iter().any(|v| v.min_element() < 0.0)
+        {
+            return refuse("its optimiser holds a value that is not allowed".to_owned());
+        }
+        run.points = state.points;
+        run.class = state.class;
+        run.scale = state.scale;
+        run.losses = state.losses;
+        run.total_iterations = state.total_iterations;
+        run.finished = state.finished;
+        run.resumed = Some(state.adam);
+        Ok(run)
+    }
+
+    /// What lies beyond the output's border.
+    #[must_use]
+    pub fn boundary(&self) -> Boundary {
+        self.parameters.boundary
     }
 }

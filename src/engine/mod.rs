@@ -1,1 +1,113 @@
-//! What an engine does.
+//! What an engine does: measure the exemplar at one scale, then move the output's points iteration by iteration.
+//!
+//! An engine works in exemplar units and knows nothing of files, pages or names. A [`ScaleSetup`] says all it needs;
+//! [`cpu::CpuEngine`] runs it in bounded steps.
+
+pub mod cpu;
+
+use glam::DVec2;
+
+use crate::domain::Boundary;
+use crate::method::Parameters;
+use crate::method::schedule::Scale;
+use crate::synthesis::LossTerms;
+
+use cpu::correlation::Lags;
+use cpu::gabor::{CUTOFF_SIGMAS, Grid, Wave};
+use cpu::network::View;
+use cpu::normalization::Region;
+
+/// One class on one scale: everything an engine needs, in exemplar units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScaleSetup {
+    /// The exemplar's points of this class and those before it.
+    pub exemplar: Vec<DVec2>,
+    /// How the exemplar is seen.
+    pub exemplar_view: View,
+    /// Width and height of the output.
+    pub output_size: DVec2,
+    /// How the output is seen.
+    pub output_view: View,
+    /// Lags of the correlation loss.
+    pub lags: Lags,
+    /// Weights of the Gram and the correlation loss.
+    pub weights: [f64; 2],
+    /// Adam's step.
+    pub learning_rate: f64,
+    /// Jitter of rows and columns in pixels.
+    pub jitter_px: f64,
+    /// Decides filters and jitter.
+    pub seed: u64,
+    /// Which class, from 0.
+    pub class: u16,
+    /// Which scale, from 0.
+    pub scale: u16,
+}
+
+impl ScaleSetup {
+    /// Puts a scale together. `exemplar_size` and `output_size` are in exemplar units; `exemplar_points` is the
+    /// number M that sets the scale of the maps.
+    #[must_use]
+    pub fn new(
+        parameters: &Parameters,
+        scale: &Scale,
+        place: (u16, u16),
+        exemplar: Vec<DVec2>,
+        exemplar_size: DVec2,
+        exemplar_boundary: Boundary,
+        output_size: DVec2,
+    ) -> Self {
+        let boundary = parameters.boundary;
+        // Dividing by the number of neighbours summed, at most 30, gives the maps the scale for which the ε of the
+        // normalisation works as in the paper's published code.
+        let map_scale = 1.0 / exemplar.len().clamp(1, 30) as f64;
+        let wave = Wave {
+            sigma: scale.sigma,
+            frequency: parameters.frequency,
+            scale: map_scale,
+            cutoff_sigmas: CUTOFF_SIGMAS,
+        };
+        // A periodic output has no border. The exemplar's statistics must not have one either: it is either a tile
+        // itself, or only its interior counts.
+        let interior_only = boundary == Boundary::Periodic && exemplar_boundary == Boundary::Open;
+        let exemplar_sees = if interior_only { Boundary::Open } else { boundary };
+        let exemplar_view = View { grid: grid(exemplar_size, scale.resolution, exemplar_sees), wave, interior_only };
+        let output_view = View { grid: grid(output_size, scale.resolution, boundary), wave, interior_only: false };
+        let (a, b): (Region, Region) = (exemplar_view.last_region(), output_view.last_region());
+        Self {
+            exemplar,
+            exemplar_view,
+            output_size,
+            output_view,
+            lags: Lags { rows: a.height().min(b.height()), columns: a.width().min(b.width()) },
+            weights: [parameters.gram_weight, parameters.correlation_weight],
+            learning_rate: scale.learning_rate,
+            jitter_px: parameters.jitter_px,
+            seed: parameters.seed,
+            class: place.0,
+            scale: place.1,
+        }
+    }
+}
+
+/// The sampling grid of a rectangle at `resolution` pixels per exemplar unit.
+fn grid(size: DVec2, resolution: f64, boundary: Boundary) -> Grid {
+    let pixels = |side: f64| match boundary {
+        Boundary::Open => ((resolution * side).round() as usize).max(8),
+        // Two strided layers halve a periodic grid evenly.
+        Boundary::Periodic => (((resolution * side / 4.0).round() * 4.0) as usize).max(8),
+    };
+    let (width, height) = (pixels(size.x), pixels(size.y));
+    Grid { height, width, pitch: size / DVec2::new(width as f64, height as f64), boundary }
+}
+
+/// What one call of an engine brought.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Advance {
+    /// Part of the exemplar's statistics or of an iteration.
+    Working,
+    /// The points have moved; this was the loss before.
+    Iterated(LossTerms),
+    /// The loss or its gradient is no longer finite; the points have not moved.
+    NotFinite,
+}

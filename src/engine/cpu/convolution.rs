@@ -1,0 +1,691 @@
+//! 7 × 7 convolutions with stride 1 or 2, forward and with respect to their input, by Fourier transforms of tiles.
+//!
+//! `y[o] = Σ_k w[k] · x[stride · o + k − 3]` (Huang et al. 2022, §4.2; zero padding 3, or wrapping in a periodic
+//! domain), for all pairs of channels. The input is cut into tiles of N × N pixels that overlap by 6 (overlap-save);
+//! in the Fourier domain the sum over the kernel becomes one complex product of matrices per frequency. Against the
+//! 49 products per output and channel pair of the direct sum that is 5.8 for N = 16 and 3.2 for N = 32.
+//!
+//! A strided convolution needs every second output only: folding the spectrum onto its lower half is subsampling, so
+//! the inverse transform has N/2 points. Its gradient starts from zeros between samples, whose spectrum repeats: the
+//! forward transform has N/2 points.
+//!
+//! Layouts: images `[height, width, channels]`, channels padded to [`LANES`]; transformed tiles
+//! `[tile, frequency, re | im, channels]`, products `[frequency, re | im, tile, channels]`. Every parallel task thus
+//! writes one contiguous piece and reads the rest with strides.
+
+use crate::domain::Boundary;
+
+use super::lanes::{self, Kernel, LANES, Lanes, padded};
+use super::parallel::{for_each_chunk, threads};
+use super::product::{self, Planar};
+use super::real::Real;
+use super::scratch::Scratch;
+use super::tile_fft::{self, Signal, Twiddles};
+
+/// Side of a kernel.
+pub const KERNEL: usize = 7;
+/// Pixels a kernel reaches to either side.
+pub const REACH: usize = KERNEL / 2;
+
+/// Side of a Fourier tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tile {
+    /// 16 × 16 pixels, 10 × 10 of them new.
+    Small,
+    /// 32 × 32 pixels, 26 × 26 of them new.
+    Large,
+}
+
+impl Tile {
+    /// N.
+    #[must_use]
+    pub const fn side(self) -> usize {
+        match self {
+            Self::Small => 16,
+            Self::Large => 32,
+        }
+    }
+
+    /// Outputs of a tile along one side, before striding.
+    #[must_use]
+    pub const fn step(self) -> usize {
+        self.side() - (KERNEL - 1)
+    }
+
+    /// Frequencies of a real tile: N · (N/2 + 1).
+    #[must_use]
+    pub const fn frequencies(self) -> usize {
+        self.side() * (self.side() / 2 + 1)
+    }
+
+    /// The tile that needs less arithmetic for a layer of this shape.
+    #[must_use]
+    pub fn best(geometry: &Geometry, channels_in: usize, channels_out: usize) -> Self {
+        let cost = |tile: Self| {
+            let tiles = geometry.tiles(tile) as f64;
+            let (c_in, c_out) = (padded(channels_in) as f64, padded(channels_out) as f64);
+            let frequencies = tile.frequencies() as f64;
+            // Every product streams all weights, which costs about as much as four rows of arithmetic.
+            let product = frequencies * (tiles + 4.0) * c_in * c_out * 8.0;
+            // A transform takes about 2.5 n log₂ n operations, at half the rate of the product.
+            let samples = (tile.side() * tile.side()) as f64;
+            let transform = 2.0 * 2.5 * samples * samples.log2() * tiles * (c_in + c_out);
+            product + transform
+        };
+        if cost(Self::Small) <= cost(Self::Large) { Self::Small } else { Self::Large }
+    }
+}
+
+/// Shape of one convolution's input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Geometry {
+    /// Rows of the input.
+    pub height: usize,
+    /// Columns of the input.
+    pub width: usize,
+    /// 1 or 2.
+    pub stride: usize,
+    /// What lies beyond the border.
+    pub boundary: Boundary,
+}
+
+impl Geometry {
+    /// Rows and columns of the output: the input's divided by the stride, rounded up.
+    #[must_use]
+    pub fn output(&self) -> (usize, usize) {
+        (self.height.div_ceil(self.stride), self.width.div_ceil(self.stride))
+    }
+
+    fn tile_grid(&self, tile: Tile) -> (usize, usize) {
+        (self.height.div_ceil(tile.step()), self.width.div_ceil(tile.step()))
+    }
+
+    /// How many tiles cover the input.
+    #[must_use]
+    pub fn tiles(&self, tile: Tile) -> usize {
+        let (rows, columns) = self.tile_grid(tile);
+        rows * columns
+    }
+}
+
+/// The filters of one layer, ready for use: their spectra, `[frequency, re | im, channels in, channels out]`.
+#[derive(Debug)]
+pub struct Filters<T> {
+    channels_in: usize,
+    channels_out: usize,
+    tile: Tile,
+    spectra: Vec<T>,
+}
+
+impl<T: Real> Filters<T> {
+    /// Transforms weights `[channels out, channels in, 7, 7]` (row-major).
+    ///
+    /// The spectra also carry the scale that the transforms leave out: ½ for [`tile_fft::forward`], 1/N² for the
+    /// unnormalised inverse (the fold of a strided layer and its smaller inverse come to the same).
+    #[must_use]
+    pub fn new(weights: &[f64], channels_in: usize, channels_out: usize, tile: Tile) -> Self {
+        let (c_in, c_out) = (padded(channels_in), padded(channels_out));
+        let mut filters = Self {
+            channels_in: c_in,
+            channels_out: c_out,
+            tile,
+            spectra: vec![T::ZERO; tile.frequencies() * 2 * c_in * c_out],
+        };
+        match tile {
+            Tile::Small => filters.transform::<16>(weights, channels_in, channels_out),
+            Tile::Large => filters.transform::<32>(weights, channels_in, channels_out),
+        }
+        filters
+    }
+
+    fn transform<const N: usize>(&mut self, weights: &[f64], channels_in: usize, channels_out: usize) {
+        struct Transform<'a, T, const N: usize> {
+            tile: &'a [Lanes<T>],
+            spectrum: &'a mut [Signal<T, N>],
+            twiddles: &'a Twiddles<T, N>,
+        }
+        impl<T: Real, const N: usize> Kernel for Transform<'_, T, N> {
+            #[inline(always)]
+            fn run<const FMA: bool>(self) {
+                tile_fft::forward(self.tile, self.spectrum, self.twiddles);
+            }
+        }
+        let scale = 1.0 / (2 * N * N) as f64;
+        let (c_in, c_out) = (self.channels_in, self.channels_out);
+        let twiddles = Twiddles::<T, N>::new();
+        let mut spectrum = vec![Signal::<T, N>::ZERO; N];
+        let mut tile = vec![Lanes::ZERO; N * N];
+        for from in 0..channels_in {
+            for group in (0..channels_out).step_by(LANES) {
+                for y in 0..KERNEL {
+                    for x in 0..KERNEL {
+                        tile[y * N + x] = Lanes(std::array::from_fn(|lane| {
+                            let to = group + lane;
+                            if to < channels_out {
+                                T::rounded(
+                                    // Halved here: `forward` gives twice the transform.
+                                    0.5 * scale * weights[((to * channels_in + from) * KERNEL + y) * KERNEL + x],
+                                )
+                            } else {
+                                T::ZERO
+                            }
+                        }));
+                    }
+                }
+                lanes::run(Transform { tile: &tile, spectrum: &mut spectrum, twiddles: &twiddles });
+                for ky in 0..N {
+                    for (kx, column) in spectrum[..=N / 2].iter().enumerate() {
+                        let at = ((ky * (N / 2 + 1) + kx) * 2 * c_in + from) * c_out + group;
+                        column.re[ky].store(&mut self.spectra[at..]);
+                        column.im[ky].store(&mut self.spectra[at + c_in * c_out..]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Bytes held.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.spectra.len() * size_of::<T>()
+    }
+
+    /// Side of the tiles the spectra are for.
+    #[must_use]
+    pub fn tile(&self) -> Tile {
+        self.tile
+    }
+}
+
+/// What is convolved.
+#[derive(Clone, Copy)]
+pub enum Source<'a, T> {
+    /// An image as it is.
+    Plain(&'a [T]),
+    /// The image after instance normalisation and ReLU, worked out on the way in.
+    Activated {
+        /// The image before both.
+        image: &'a [T],
+        /// Mean of every channel.
+        mean: &'a [T],
+        /// One over the standard deviation of every channel.
+        inverse_deviation: &'a [T],
+    },
+}
+
+/// Which way a convolution is applied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// From input to output.
+    Forward,
+    /// From the gradient with respect to the output to that with respect to the input.
+    Gradient,
+}
+
+/// The work space of all convolutions: transformed tiles, products, and what each thread needs for itself.
+#[derive(Debug)]
+pub struct Workspace<T> {
+    tiles: Vec<T>,
+    products: Vec<T>,
+    operands: Scratch<T>,
+}
+
+/// Numbers a work space must hold: transformed tiles, products, and one thread's operands.
+fn workspace_lens(geometry: &Geometry, tile: Tile, channels_in: usize, channels_out: usize) -> [usize; 3] {
+    let widest = padded(channels_in).max(padded(channels_out));
+    let transformed = geometry.tiles(tile) * tile.frequencies() * 2 * widest;
+    let operands = 2 * (geometry.tiles(tile) * widest + padded(channels_in) * padded(channels_out));
+    [transformed, transformed, operands]
+}
+
+impl<T: Real> Workspace<T> {
+    /// Space enough for each of these layers: shape of the input, tile, channels in and out.
+    #[must_use]
+    pub fn new(layers: &[(Geometry, Tile, usize, usize)]) -> Self {
+        let mut most = [0; 3];
+        for (geometry, tile, channels_in, channels_out) in layers {
+            let lens = workspace_lens(geometry, *tile, *channels_in, *channels_out);
+            most = std::array::from_fn(|part| most[part].max(lens[part]));
+        }
+        Self { tiles: vec![T::ZERO; most[0]], products: vec![T::ZERO; most[1]], operands: Scratch::new(most[2]) }
+    }
+
+    /// Bytes that [`Self::new`] would allocate for these layers.
+    #[must_use]
+    pub fn bytes_for(layers: &[(Geometry, Tile, usize, usize)]) -> usize {
+        let most = |part: usize| layers.iter().map(|&(g, tile, i, o)| workspace_lens(&g, tile, i, o)[part]).max();
+        let [tiles, products, operands] = [0, 1, 2].map(|part| most(part).unwrap_or(0));
+        (tiles + products + operands * (threads() + 1)) * size_of::<T>()
+    }
+}
+
+/// One convolution of a network at one size. The three steps are apart so that a caller can stop between them.
+#[derive(Debug)]
+pub struct Convolution {
+    /// Shape of the input.
+    pub geometry: Geometry,
+    tile: Tile,
+    channels_in: usize,
+    channels_out: usize,
+}
+
+impl Convolution {
+    /// A convolution with these filters of inputs of this shape.
+    #[must_use]
+    pub fn new<T: Real>(filters: &Filters<T>, geometry: Geometry) -> Self {
+        Self { geometry, tile: filters.tile, channels_in: filters.channels_in, channels_out: filters.channels_out }
+    }
+
+    /// Channels of the input of a direction.
+    fn inner(&self, direction: Direction) -> usize {
+        if direction == Direction::Forward { self.channels_in } else { self.channels_out }
+    }
+
+    /// Channels of the output of a direction.
+    fn outer(&self, direction: Direction) -> usize {
+        if direction == Direction::Forward { self.channels_out } else { self.channels_in }
+    }
+
+    /// Frequencies of a tile: what [`Self::multiply`] runs over.
+    #[must_use]
+    pub fn frequencies(&self) -> usize {
+        self.tile.frequencies()
+    }
+
+    /// Operations (multiplications and additions) of the product over all frequencies.
+    #[must_use]
+    pub fn operations(&self) -> f64 {
+        8.0 * (self.frequencies() * self.geometry.tiles(self.tile) * self.channels_in * self.channels_out) as f64
+    }
+
+    /// Step 1: transforms the tiles of the input.
+    pub fn transform<T: Real>(&self, source: Source<T>, direction: Direction, workspace: &mut Workspace<T>) {
+        match self.tile {
+            Tile::Small => self.transform_tiles::<T, 16, 8>(source, direction, workspace),
+            Tile::Large => self.transform_tiles::<T, 32, 16>(source, direction, workspace),
+        }
+    }
+
+    fn transform_tiles<T: Real, const N: usize, const HALF: usize>(
+        &self,
+        source: Source<T>,
+        direction: Direction,
+        workspace: &mut Workspace<T>,
+    ) {
+        let decimated = direction == Direction::Gradient && self.geometry.stride == 2;
+        let (height, width) = if direction == Direction::Forward {
+            (self.geometry.height, self.geometry.width)
+        } else {
+            self.geometry.output()
+        };
+        let channels = self.inner(direction);
+        let columns = self.geometry.tile_grid(self.tile).1;
+        let len = self.tile.frequencies() * 2 * channels;
+        let tiles = &mut workspace.tiles[..self.geometry.tiles(self.tile) * len];
+        for_each_chunk(tiles, len, |index, out| {
+            let image = Image { source, height, width, channels, boundary: self.geometry.boundary };
+            let at = [index / columns, index % columns];
+            if decimated {
+                let step = (N - KERNEL + 1) / 2;
+                let origin = at.map(|i| (i * step) as isize - 1);
+                lanes::run(TransformDecimated::<T, N, HALF> { image, origin, out });
+            } else {
+                let step = N - KERNEL + 1;
+                let origin = at.map(|i| (i * step) as isize - REACH as isize);
+                lanes::run(TransformFull::<T, N> { image, origin, out });
+            }
+        });
+    }
+
+    /// Step 2: multiplies frequencies `first …` up to but not including `end`.
+    pub fn multiply<T: Real>(
+        &self,
+        filters: &Filters<T>,
+        direction: Direction,
+        frequencies: std::ops::Range<usize>,
+        workspace: &mut Workspace<T>,
+    ) {
+        let tiles = self.geometry.tiles(self.tile);
+        let (inner, outer) = (self.inner(direction), self.outer(direction));
+        let Workspace { tiles: transformed, products, operands } = workspace;
+        let transformed = &transformed[..];
+        let len = 2 * tiles * outer;
+        let first = frequencies.start;
+        for_each_chunk(&mut products[first * len..frequencies.end * len], len, |offset, out| {
+            let frequency = first + offset;
+            let mut operands = operands.mine();
+            let (x, rest) = operands.split_at_mut(2 * tiles * inner);
+            let w_len = 2 * self.channels_in * self.channels_out;
+            lanes::run(Multiply {
+                transformed,
+                frequency,
+                frequencies: self.tile.frequencies(),
+                filters: &filters.spectra[frequency * w_len..(frequency + 1) * w_len],
+                direction,
+                tiles,
+                inner,
+                outer,
+                x,
+                transposed: &mut rest[..w_len],
+                out,
+            });
+        });
+    }
+
+    /// Step 3: transforms the products back into an image.
+    pub fn inverse<T: Real>(&self, direction: Direction, workspace: &Workspace<T>, out: &mut [T]) {
+        match self.tile {
+            Tile::Small => self.inverse_tiles::<T, 16, 8>(direction, workspace, out),
+            Tile::Large => self.inverse_tiles::<T, 32, 16>(direction, workspace, out),
+        }
+    }
+
+    fn inverse_tiles<T: Real, const N: usize, const HALF: usize>(
+        &self,
+        direction: Direction,
+        workspace: &Workspace<T>,
+        out: &mut [T],
+    ) {
+        let channels = self.outer(direction);
+        let tiles = self.geometry.tiles(self.tile);
+        let columns = self.geometry.tile_grid(self.tile).1;
+        let decimated = direction == Direction::Forward && self.geometry.stride == 2;
+        let step = (N - KERNEL + 1) / if decimated { 2 } else { 1 };
+        let (height, width) = if direction == Direction::Forward {
+            self.geometry.output()
+        } else {
+            (self.geometry.height, self.geometry.width)
+        };
+        let products = &workspace.products[..];
+        for_each_chunk(&mut out[..height * width * channels], step * width * channels, |row, rows| {
+            let product = Product { products, tiles, channels, first_tile: row * columns, columns };
+            if decimated {
+                lanes::run(InverseDecimated::<T, N, HALF> { product, step, width, rows });
+            } else {
+                let first = if direction == Direction::Forward { 0 } else { KERNEL - 1 };
+                lanes::run(InverseFull::<T, N> { product, step, first, width, rows });
+            }
+        });
+    }
+}
+
+/// An image and what lies beyond its border.
+#[derive(Clone, Copy)]
+struct Image<'a, T> {
+    source: Source<'a, T>,
+    height: usize,
+    width: usize,
+    channels: usize,
+    boundary: Boundary,
+}
+
+/// Where index `i` of a line of `len` pixels lies, if anywhere.
+#[inline(always)]
+fn locate(i: isize, len: usize, boundary: Boundary) -> Option<usize> {
+    if i >= 0 && (i as usize) < len {
+        return Some(i as usize);
+    }
+    match boundary {
+        Boundary::Open => None,
+        Boundary::Periodic => Some(i.rem_euclid(len as isize) as usize),
+    }
+}
+
+impl<T: Real> Image<'_, T> {
+    /// Fills an `N × N` tile with eight channels of the image, from `origin` (row, column) on.
+    #[inline(always)]
+    fn fill<const N: usize>(&self, origin: [isize; 2], channel: usize, tile: &mut [Lanes<T>]) {
+        let columns: [Option<usize>; N] =
+            std::array::from_fn(|x| locate(origin[1] + x as isize, self.width, self.boundary));
+        for (y, line) in tile.chunks_exact_mut(N).enumerate() {
+            let Some(row) = locate(origin[0] + y as isize, self.height, self.boundary) else {
+                line.fill(Lanes::ZERO);
+                continue;
+            };
+            let base = row * self.width * self.channels + channel;
+            match self.source {
+                Source::Plain(image) => {
+                    for (pixel, column) in line.iter_mut().zip(&columns) {
+                        *pixel = column.map_or(Lanes::ZERO, |x| Lanes::load(&image[base + x * self.channels..]));
+                    }
+                }
+                Source::Activated { image, mean, inverse_deviation } => {
+                    let mean = Lanes::load(&mean[channel..]);
+                    let inverse = Lanes::load(&inverse_deviation[channel..]);
+                    for (pixel, column) in line.iter_mut().zip(&columns) {
+                        *pixel = column.map_or(Lanes::ZERO, |x| {
+                            let value = (Lanes::load(&image[base + x * self.channels..]) - mean) * inverse;
+                            Lanes(value.0.map(|v| if v > T::ZERO { v } else { T::ZERO }))
+                        });
+                    }
+                }
+            }
+        }
+    }
+}
+
+struct TransformFull<'a, T, const N: usize> {
+    image: Image<'a, T>,
+    origin: [isize; 2],
+    out: &'a mut [T],
+}
+
+impl<T: Real, const N: usize> Kernel for TransformFull<'_, T, N> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let channels = self.image.channels;
+        let twiddles = Twiddles::<T, N>::new();
+        let mut tile = [[Lanes::<T>::ZERO; N]; N];
+        let mut spectrum = [Signal::<T, N>::ZERO; N];
+        for group in (0..channels).step_by(LANES) {
+            self.image.fill::<N>(self.origin, group, tile.as_flattened_mut());
+            tile_fft::forward(tile.as_flattened(), &mut spectrum, &twiddles);
+            for ky in 0..N {
+                for (kx, column) in spectrum[..=N / 2].iter().enumerate() {
+                    let at = (ky * (N / 2 + 1) + kx) * 2 * channels + group;
+                    column.re[ky].store(&mut self.out[at..]);
+                    column.im[ky].store(&mut self.out[at + channels..]);
+                }
+            }
+        }
+    }
+}
+
+/// The tile has samples at odd places only: the image's pixels, one zero between each two.
+struct TransformDecimated<'a, T, const N: usize, const HALF: usize> {
+    image: Image<'a, T>,
+    origin: [isize; 2],
+    out: &'a mut [T],
+}
+
+impl<T: Real, const N: usize, const HALF: usize> Kernel for TransformDecimated<'_, T, N, HALF> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let channels = self.image.channels;
+        let twiddles = Twiddles::<T, HALF>::new();
+        let shift = Twiddles::<T, N>::new();
+        let mut tile = [[Lanes::<T>::ZERO; HALF]; HALF];
+        let mut spectrum = [Signal::<T, HALF>::ZERO; HALF];
+        for group in (0..channels).step_by(LANES) {
+            self.image.fill::<HALF>(self.origin, group, tile.as_flattened_mut());
+            tile_fft::forward(tile.as_flattened(), &mut spectrum, &twiddles);
+            for ky in 0..N {
+                for kx in 0..=N / 2 {
+                    // The small spectrum repeats; its right half is the mirrored conjugate of its left one.
+                    let (y, x) = (ky % HALF, kx % HALF);
+                    let (re, im) = if x <= HALF / 2 {
+                        (spectrum[x].re[y], spectrum[x].im[y])
+                    } else {
+                        let (y, x) = ((HALF - y) % HALF, HALF - x);
+                        (spectrum[x].re[y], spectrum[x].im[y].negate())
+                    };
+                    // The samples sit at odd places: a shift by one pixel each way.
+                    let turn = (ky + kx) % N;
+                    let (wr, wi) = (shift.re[turn], shift.im[turn]);
+                    let at = (ky * (N / 2 + 1) + kx) * 2 * channels + group;
+                    (re.scale(wr) - im.scale(wi)).store(&mut self.out[at..]);
+                    (re.scale(wi) + im.scale(wr)).store(&mut self.out[at + channels..]);
+                }
+            }
+        }
+    }
+}
+
+struct Multiply<'a, T> {
+    transformed: &'a [T],
+    frequency: usize,
+    frequencies: usize,
+    filters: &'a [T],
+    direction: Direction,
+    tiles: usize,
+    inner: usize,
+    outer: usize,
+    x: &'a mut [T],
+    transposed: &'a mut [T],
+    out: &'a mut [T],
+}
+
+impl<T: Real> Kernel for Multiply<'_, T> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self { tiles, inner, outer, .. } = self;
+        let row = 2 * inner;
+        for (tile, x) in self.x.chunks_exact_mut(row).take(tiles).enumerate() {
+            let at = (tile * self.frequencies + self.frequency) * row;
+            x.copy_from_slice(&self.transformed[at..at + row]);
+        }
+        let x = Planar { data: self.x, imaginary: inner, stride: row };
+        let imaginary = inner * outer;
+        if self.direction == Direction::Forward {
+            // Correlation, not convolution: the conjugate of the filter's spectrum.
+            let w = Planar { data: self.filters, imaginary, stride: outer };
+            product::complex::<T, FMA>(x, w, tiles, inner, outer, -T::ONE, self.out);
+        } else {
+            for (from, to) in self.filters.chunks_exact(imaginary).zip(self.transposed.chunks_exact_mut(imaginary)) {
+                transpose(from, to, outer, inner);
+            }
+            let w = Planar { data: self.transposed, imaginary, stride: outer };
+            product::complex::<T, FMA>(x, w, tiles, inner, outer, T::ONE, self.out);
+        }
+    }
+}
+
+/// Transposes `rows × columns` numbers; both are multiples of [`LANES`].
+#[inline(always)]
+fn transpose<T: Real>(from: &[T], to: &mut [T], rows: usize, columns: usize) {
+    for row in (0..rows).step_by(LANES) {
+        for column in (0..columns).step_by(LANES) {
+            let block: [Lanes<T>; LANES] = std::array::from_fn(|i| Lanes::load(&from[(row + i) * columns + column..]));
+            for i in 0..LANES {
+                let line: [T; LANES] = std::array::from_fn(|j| block[j].0[i]);
+                Lanes(line).store(&mut to[(column + i) * rows + row..]);
+            }
+        }
+    }
+}
+
+/// Where the products of one row of tiles lie.
+#[derive(Clone, Copy)]
+struct Product<'a, T> {
+    products: &'a [T],
+    tiles: usize,
+    channels: usize,
+    first_tile: usize,
+    columns: usize,
+}
+
+impl<T: Real> Product<'_, T> {
+    #[inline(always)]
+    fn at(&self, frequency: usize, tile: usize, group: usize) -> (Lanes<T>, Lanes<T>) {
+        let at = (frequency * 2 * self.tiles + self.first_tile + tile) * self.channels + group;
+        (Lanes::load(&self.products[at..]), Lanes::load(&self.products[at + self.tiles * self.channels..]))
+    }
+}
+
+struct InverseFull<'a, T, const N: usize> {
+    product: Product<'a, T>,
+    step: usize,
+    /// First row and column of the tile that holds a valid output.
+    first: usize,
+    width: usize,
+    rows: &'a mut [T],
+}
+
+impl<T: Real, const N: usize> Kernel for InverseFull<'_, T, N> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let channels = self.product.channels;
+        let twiddles = Twiddles::<T, N>::new();
+        let mut tile = [[Lanes::<T>::ZERO; N]; N];
+        let mut spectrum = [Signal::<T, N>::ZERO; N];
+        let height = self.rows.len() / (self.width * channels);
+        for column in 0..self.product.columns {
+            let left = column * self.step;
+            let across = self.step.min(self.width - left);
+            for group in (0..channels).step_by(LANES) {
+                for ky in 0..N {
+                    for kx in 0..=N / 2 {
+                        let (re, im) = self.product.at(ky * (N / 2 + 1) + kx, column, group);
+                        spectrum[kx].re[ky] = re;
+                        spectrum[kx].im[ky] = im;
+                    }
+                }
+                tile_fft::inverse(&mut spectrum, tile.as_flattened_mut(), self.first, self.first + height, &twiddles);
+                for y in 0..height {
+                    for x in 0..across {
+                        let at = (y * self.width + left + x) * channels + group;
+                        tile[self.first + y][self.first + x].store(&mut self.rows[at..]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+struct InverseDecimated<'a, T, const N: usize, const HALF: usize> {
+    product: Product<'a, T>,
+    step: usize,
+    width: usize,
+    rows: &'a mut [T],
+}
+
+impl<T: Real, const N: usize, const HALF: usize> Kernel for InverseDecimated<'_, T, N, HALF> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let channels = self.product.channels;
+        let twiddles = Twiddles::<T, HALF>::new();
+        let mut tile = [[Lanes::<T>::ZERO; HALF]; HALF];
+        let mut spectrum = [Signal::<T, HALF>::ZERO; HALF];
+        let height = self.rows.len() / (self.width * channels);
+        let frequency = |ky: usize, kx: usize| ky * (N / 2 + 1) + kx;
+        for column in 0..self.product.columns {
+            let left = column * self.step;
+            let across = self.step.min(self.width - left);
+            for group in (0..channels).step_by(LANES) {
+                for ky in 0..HALF {
+                    for kx in 0..=HALF / 2 {
+                        let (mut re, mut im) = self.product.at(frequency(ky, kx), column, group);
+                        let (r, i) = self.product.at(frequency(ky + HALF, kx), column, group);
+                        re = re + r;
+                        im = im + i;
+                        // The right half of the large spectrum is the mirrored conjugate of the left one.
+                        for y in [(N - ky) % N, HALF - ky] {
+                            let (r, i) = self.product.at(frequency(y, HALF - kx), column, group);
+                            re = re + r;
+                            im = im - i;
+                        }
+                        spectrum[kx].re[ky] = re;
+                        spectrum[kx].im[ky] = im;
+                    }
+                }
+                tile_fft::inverse(&mut spectrum, tile.as_flattened_mut(), 0, height, &twiddles);
+                for y in 0..height {
+                    for x in 0..across {
+                        let at = (y * self.width + left + x) * channels + group;
+                        tile[y][x].store(&mut self.rows[at..]);
+                    }
+                }
+            }
+        }
+    }
+}

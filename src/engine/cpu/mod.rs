@@ -1,0 +1,206 @@
+//! The CPU engine: one file a stage, forward and backward side by side.
+
+pub mod adam;
+pub mod convolution;
+pub mod correlation;
+pub mod gabor;
+pub mod gram;
+pub mod lanes;
+pub mod network;
+pub mod normalization;
+pub mod parallel;
+pub mod product;
+pub mod real;
+pub mod scratch;
+pub mod tile_fft;
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::domain::Boundary;
+use crate::engine::{Advance, ScaleSetup};
+use crate::method::FilterBank;
+use crate::sampling::{Purpose, Rng};
+
+use adam::Adam;
+use network::{Evaluation, Network, Stage, Targets, best_tiles};
+
+/// The arithmetic a run uses; double precision is for checking gradients.
+pub type Float = f32;
+
+/// One class on one scale, on the CPU.
+#[derive(Debug)]
+pub struct CpuEngine {
+    setup: ScaleSetup,
+    network: Arc<Network<Float>>,
+    phase: Phase,
+    points: Vec<DVec2>,
+    moving_from: usize,
+    adam: Adam,
+    iteration: u32,
+}
+
+/// The exemplar is measured first; its images are gone before those of the output are allocated.
+#[derive(Debug)]
+enum Phase {
+    Exemplar(Box<Evaluation<Float>>),
+    Measured(Targets<Float>),
+    Output(Box<Evaluation<Float>>, Targets<Float>),
+}
+
+impl CpuEngine {
+    /// The filters for a scale, taking those of an earlier one if they fit.
+    #[must_use]
+    pub fn network(setup: &ScaleSetup, channels: usize, before: Option<Arc<Network<Float>>>) -> Arc<Network<Float>> {
+        let grid = setup.output_view.grid;
+        let tiles = best_tiles(channels, grid.height, grid.width, grid.boundary);
+        match before {
+            Some(network) if network.tiles() == tiles => network,
+            // Freed before the new one is made: these are the largest buffers of all.
+            other => {
+                drop(other);
+                Arc::new(Network::new(&FilterBank::random(setup.seed, channels), tiles))
+            }
+        }
+    }
+
+    /// Bytes that a run of this scale takes at its peak.
+    #[must_use]
+    pub fn bytes_for(setup: &ScaleSetup, channels: usize, points: usize) -> u64 {
+        let grid = setup.output_view.grid;
+        let tiles = best_tiles(channels, grid.height, grid.width, grid.boundary);
+        let side = |view, points, with_gradient| {
+            Evaluation::<Float>::bytes_for(channels, tiles, view, points, setup.lags, with_gradient)
+        };
+        let exemplar = side(&setup.exemplar_view, setup.exemplar.len(), false);
+        let output = side(&setup.output_view, points, true);
+        (Network::<Float>::bytes_for(channels, tiles) + exemplar.max(output)) as u64
+    }
+
+    /// Starts a scale. `points` are the output's points in exemplar units; those before `moving_from` are frozen.
+    /// `adam` and `iteration` are where a saved run stood, or fresh.
+    #[must_use]
+    pub fn new(
+        setup: ScaleSetup,
+        network: Arc<Network<Float>>,
+        points: Vec<DVec2>,
+        moving_from: usize,
+        adam: Adam,
+        iteration: u32,
+    ) -> Self {
+        let count = setup.exemplar.len();
+        let exemplar =
+            Evaluation::new(Arc::clone(&network), &setup.exemplar_view, count, setup.lags, false, setup.weights);
+        Self { setup, network, phase: Phase::Exemplar(Box::new(exemplar)), points, moving_from, adam, iteration }
+    }
+
+    /// The stage the next piece of work belongs to; `None` while the exemplar is measured.
+    #[must_use]
+    pub fn stage(&self) -> Option<Stage> {
+        match &self.phase {
+            Phase::Output(output, _) => Some(output.stage()),
+            _ => None,
+        }
+    }
+
+    /// Does one bounded piece of work.
+    pub fn advance(&mut self) -> Advance {
+        match &mut self.phase {
+            Phase::Exemplar(exemplar) => {
+                if exemplar.advance(&self.setup.exemplar, None) {
+                    self.phase = Phase::Measured(exemplar.targets(self.setup.lags));
+                }
+                Advance::Working
+            }
+            Phase::Measured(targets) => {
+                let (setup, network) = (&self.setup, Arc::clone(&self.network));
+                let targets = targets.clone();
+                let count = self.points.len();
+                let mut output = Evaluation::new(network, &setup.output_view, count, setup.lags, true, setup.weights);
+                jitter(setup, self.iteration, &mut output);
+                self.phase = Phase::Output(Box::new(output), targets);
+                Advance::Working
+            }
+            Phase::Output(output, targets) => {
+                if !output.advance(&self.points, Some(targets)) {
+                    return Advance::Working;
+                }
+                let loss = output.loss();
+                let gradients = output.point_gradients(self.moving_from);
+                if !loss.total().is_finite() || gradients.iter().flatten().any(|g| !g.is_finite()) {
+                    return Advance::NotFinite;
+                }
+                let moving = &mut self.points[self.moving_from..];
+                self.adam.step(moving, gradients, self.setup.learning_rate);
+                for point in moving {
+                    *point = keep_inside(*point, self.setup.output_size, self.setup.output_view.grid.boundary);
+                }
+                self.iteration += 1;
+                jitter(&self.setup, self.iteration, output);
+                Advance::Iterated(loss)
+            }
+        }
+    }
+
+    /// The output's points, in exemplar units.
+    #[must_use]
+    pub fn points(&self) -> &[DVec2] {
+        &self.points
+    }
+
+    /// The moments of the moving points.
+    #[must_use]
+    pub fn adam(&self) -> &Adam {
+        &self.adam
+    }
+
+    /// The filters, for the next scale.
+    #[must_use]
+    pub fn into_network(self) -> Arc<Network<Float>> {
+        self.network
+    }
+}
+
+/// Shifts rows and columns of the grid for an iteration. Every iteration has its own stream, so that a saved run
+/// needs no state of a generator.
+fn jitter(setup: &ScaleSetup, iteration: u32, output: &mut Evaluation<Float>) {
+    let ScaleSetup { seed, class, scale, jitter_px, .. } = *setup;
+    let mut rng = Rng::new(seed, Purpose::Jitter { class, scale, iteration });
+    for shift in output.shifts_mut().iter_mut().flatten() {
+        *shift = rng.range(-jitter_px, jitter_px);
+    }
+}
+
+/// A point that stepped over the border comes back: on the other side of a periodic domain, mirrored in an open one.
+/// (Clamping would line points up along the border.)
+fn keep_inside(point: DVec2, size: DVec2, boundary: Boundary) -> DVec2 {
+    let axis = |value: f64, side: f64| match boundary {
+        Boundary::Periodic => {
+            let wrapped = value.rem_euclid(side);
+            // Rounding can give the side itself for a tiny negative value.
+            if wrapped < side { wrapped } else { 0.0 }
+        }
+        Boundary::Open => {
+            let folded = value.rem_euclid(2.0 * side);
+            if folded > side { 2.0 * side - folded } else { folded }
+        }
+    };
+    DVec2::new(axis(point.x, size.x), axis(point.y, size.y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_that_leave_come_back_inside() {
+        let size = DVec2::new(2.0, 1.0);
+        let back = |x, y, boundary| keep_inside(DVec2::new(x, y), size, boundary);
+        assert_eq!(back(2.25, -0.25, Boundary::Open), DVec2::new(1.75, 0.25));
+        assert_eq!(back(2.25, -0.25, Boundary::Periodic), DVec2::new(0.25, 0.75));
+        assert_eq!(back(1.5, 0.5, Boundary::Open), DVec2::new(1.5, 0.5));
+        let tiny = back(-1e-300, 1.0, Boundary::Periodic);
+        assert!(tiny.x < 2.0 && tiny.y < 1.0, "{tiny}");
+    }
+}
