@@ -1,11 +1,147 @@
-//! Bytes to patterns and back.
+//! Bytes to patterns and back, one file a format.
+//!
+//! # What can be read
+//! | format | told by |
+//! |---|---|
+//! | JSON ([`write_json`]'s layout, `[[x, y], …]`, `{"points": […]}`) | the first character is `{` or `[`, or the name ends in `.json` |
+//! | the reference implementation's text | whole numbers `class x y …`, with a first line `K id…` or classes 1000, 2000, … |
+//! | TSV, semicolon-separated text, CSV | the first line of data holds a tab, else a semicolon, else a comma |
+//! | whitespace-separated text | everything else |
+//!
+//! Text is UTF-8, with or without a byte order mark, with any line ends. Lines that begin with `#` are comments.
+//!
+//! # Columns
+//! A header names `x`, `y` and perhaps `class`, in any order and case; every other named column is an attribute and
+//! must hold numbers; a column without a name (a row number, a trailing separator) is skipped; `attribute:` in front
+//! of a name marks an attribute called, say, `class`. Without a header the columns are x, y, then a class or an
+//! attribute, then attributes named `attribute-1`, … . The third column holds classes when a value in it is a word,
+//! or when all are whole numbers with at most [`MAX_CLASSES`](crate::pattern::MAX_CLASSES) different ones.
+//! Classes are numbered in the order they appear in.
+//!
+//! Decimal commas are understood where the comma does not separate columns. Thousands separators are not.
+//!
+//! # Domain
+//! [`ReadOptions`], then the file, then the unit square when all points lie in it, then the bounding box grown by
+//! half the mean distance between nearest neighbours. A text file declares its domain in a comment line:
+//! ```text
+//! # domain 0 0 100 50 periodic        lower corner, upper corner, boundary (open when left out)
+//! # domain 0 0 size 100 50            lower corner, width and height
+//! # classes: oak,"silver birch"       the order of the classes, quoted as in CSV
+//! ```
 
-pub mod style;
-
+mod declaration;
+mod delimited;
+mod error;
+mod guess;
+mod json;
 #[cfg(not(target_arch = "wasm32"))]
 mod png;
+mod reference;
+pub mod style;
 mod svg;
+mod table;
+mod whitespace;
 
+pub use delimited::write_csv;
+pub use error::{FormatError, Place};
+pub use json::write_json;
 #[cfg(not(target_arch = "wasm32"))]
 pub use png::{PngError, PngStyle, draw, encode_png, write_png};
 pub use svg::{SvgStyle, write_svg};
+
+use crate::domain::{Boundary, Domain};
+use crate::pattern::PointPattern;
+
+/// Most bytes of a file. The largest pattern with eight attributes takes about 5 MB.
+pub const MAX_BYTES: usize = 20_000_000;
+/// Most bytes of a line of text.
+pub const MAX_LINE_LENGTH: usize = 10_000;
+
+/// What the caller knows better than the file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// The rectangle, instead of what the file declares or its points suggest.
+    pub domain: Option<Domain>,
+    /// The boundary, instead of what the file declares.
+    pub boundary: Option<Boundary>,
+}
+
+/// Reads a pattern; see the module's words on formats, columns and the domain. The file's name only helps where the
+/// bytes leave a doubt.
+///
+/// # Errors
+/// With the place, the value and what is allowed.
+pub fn read(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Result<PointPattern, FormatError> {
+    if bytes.len() > MAX_BYTES {
+        return Err(FormatError::TooLarge { bytes: bytes.len(), max: MAX_BYTES });
+    }
+    if let Some(kind) = foreign(bytes) {
+        return Err(FormatError::Kind { kind });
+    }
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
+        FormatError::NotUtf8 { line, byte: bytes[error.valid_up_to()] }
+    })?;
+    let named = |extension: &str| {
+        file_name.and_then(|name| name.rsplit_once('.')).is_some_and(|(_, end)| end.eq_ignore_ascii_case(extension))
+    };
+    if text.trim().is_empty() {
+        return Err(FormatError::NoPoints);
+    }
+    if text.trim_start().starts_with(['{', '[']) || named("json") {
+        return json::read(text, options);
+    }
+    // Some programs end lines with a carriage return alone.
+    let returns_only;
+    let text = if text.contains('\r') && !text.contains('\n') {
+        returns_only = text.replace('\r', "\n");
+        &returns_only
+    } else {
+        text
+    };
+    for (index, line) in text.lines().enumerate() {
+        if line.len() > MAX_LINE_LENGTH {
+            return Err(FormatError::LongLine { line: index + 1, length: line.len(), max: MAX_LINE_LENGTH });
+        }
+    }
+    if let Some(table) = reference::read(text) {
+        return table?.into_pattern(options);
+    }
+    let table = match delimiter(text).or(named("csv").then_some(b',')) {
+        Some(delimiter) => delimited::read(text, delimiter)?,
+        None => whitespace::read(text)?,
+    };
+    table.into_pattern(options)
+}
+
+/// What separates the columns of the first line of data; `None` is blanks.
+fn delimiter(text: &str) -> Option<u8> {
+    let line = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
+    // Separators within quotes don't count.
+    let bare: String = line.split('"').step_by(2).collect();
+    [b'\t', b';', b','].into_iter().find(|&byte| bare.trim().contains(char::from(byte)))
+}
+
+/// Names well-known files that are not patterns, instead of complaining about their first byte.
+fn foreign(bytes: &[u8]) -> Option<&'static str> {
+    let known: [(&[u8], &str); 9] = [
+        (b"\x89PNG", "a PNG picture"),
+        (b"\xff\xd8\xff", "a JPEG picture"),
+        (b"GIF8", "a GIF picture"),
+        (b"%PDF", "a PDF document"),
+        (b"PK\x03\x04", "a ZIP archive or a spreadsheet (save the sheet as CSV)"),
+        (b"\x1f\x8b", "a gzip archive"),
+        (b"\x93NUMPY", "a NumPy array (save it with numpy.savetxt)"),
+        (b"\xff\xfe", "UTF-16 text (save it as UTF-8)"),
+        (b"\xfe\xff", "UTF-16 text (save it as UTF-8)"),
+    ];
+    if let Some((_, kind)) = known.iter().find(|(start, _)| bytes.starts_with(start)) {
+        return Some(kind);
+    }
+    let start = bytes.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0);
+    if bytes[start..].starts_with(b"<") {
+        return Some("XML or HTML");
+    }
+    bytes.iter().take(1000).any(|&byte| byte == 0).then_some("binary data")
+}

@@ -1,0 +1,175 @@
+//! What can be wrong with a file, in words that name the place, the value and what is allowed.
+
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::pattern::PatternError;
+
+/// Where in the input a value stands. Everything is counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Line and column (field) of a text file.
+    Line {
+        /// The line.
+        line: usize,
+        /// The field within the line.
+        column: usize,
+    },
+    /// An entry of the list of points in a JSON file.
+    Entry {
+        /// The entry of the list.
+        entry: usize,
+        /// The value within the entry.
+        value: usize,
+    },
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line { line, column } => write!(f, "line {line}, column {column}"),
+            Self::Entry { entry, value } => write!(f, "point {entry} of the list, value {value}"),
+        }
+    }
+}
+
+/// Why a file was refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FormatError {
+    /// More bytes than the cap.
+    #[error("the file has {bytes} bytes; at most {max} are allowed")]
+    TooLarge {
+        /// How many there are.
+        bytes: usize,
+        /// How many are allowed.
+        max: usize,
+    },
+    /// A known kind of file that is not read.
+    #[error("this is {kind}; what can be read is CSV, TSV, whitespace-separated text and JSON")]
+    Kind {
+        /// What it looks like.
+        kind: &'static str,
+    },
+    /// Bytes that are not UTF-8.
+    #[error("line {line}: byte {byte:#04x} is not UTF-8; save the file as UTF-8 text")]
+    NotUtf8 {
+        /// The line.
+        line: usize,
+        /// The first offending byte.
+        byte: u8,
+    },
+    /// A line longer than the cap.
+    #[error("line {line} has {length} bytes; at most {max} are allowed")]
+    LongLine {
+        /// The line.
+        line: usize,
+        /// Its length.
+        length: usize,
+        /// The longest allowed.
+        max: usize,
+    },
+    /// Nothing but comments and blank lines, or an empty list.
+    #[error("there are no points in it; at least 1 is needed, as 'x y', 'x,y' or [[x, y]]")]
+    NoPoints,
+    /// More points or columns than the cap.
+    #[error("{place}: there are more than {max} {what}; at most {max} are allowed")]
+    TooMany {
+        /// Where the cap was passed.
+        place: Place,
+        /// Points or columns.
+        what: &'static str,
+        /// How many are allowed.
+        max: usize,
+    },
+    /// One value that can't be used.
+    #[error("{place}: {name} is {value:?}, but must be {allowed}")]
+    Value {
+        /// Where it stands.
+        place: Place,
+        /// The column's name.
+        name: String,
+        /// The offending text, cut when long.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+    },
+    /// A position outside the domain that was declared.
+    #[error("{place}: the point ({}, {}) lies outside the declared domain ({}, {}) – ({}, {})", at[0], at[1], min[0], min[1], max[0], max[1])]
+    Outside {
+        /// Where it stands.
+        place: Place,
+        /// The position.
+        at: [f64; 2],
+        /// Lower corner of the domain.
+        min: [f64; 2],
+        /// Upper corner of the domain.
+        max: [f64; 2],
+    },
+    /// A row with too few or too many values.
+    #[error("{place}: the row has {found} values, but {expected} are needed")]
+    Columns {
+        /// Where the row ends.
+        place: Place,
+        /// How many values it has.
+        found: usize,
+        /// How many are needed.
+        expected: String,
+    },
+    /// A header without the positions.
+    #[error("line {line}: no column is called '{name}'; the columns are called {found}")]
+    MissingColumn {
+        /// The line of the header.
+        line: usize,
+        /// The name that is missing.
+        name: &'static str,
+        /// What the header holds.
+        found: String,
+    },
+    /// A header that names a column twice.
+    #[error("{place}: another column is called {name:?} too; every column needs its own name")]
+    DuplicateColumn {
+        /// Where the second one stands.
+        place: Place,
+        /// The name.
+        name: String,
+    },
+    /// A domain that can't be used.
+    #[error("line {line}: the domain {value:?} can't be used: {reason}")]
+    Declaration {
+        /// The line.
+        line: usize,
+        /// What was declared.
+        value: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// No domain was declared, and the points do not tell one.
+    #[error("the points tell no domain: {reason}; declare one with a line '# domain x0 y0 x1 y1'")]
+    NoDomain {
+        /// Why not.
+        reason: String,
+    },
+    /// Text that does not parse, or JSON without a layout that is known.
+    #[error("{}{message}", match line { 0 => String::new(), line => format!("line {line}, column {column}: ") })]
+    Syntax {
+        /// Line, or 0 when unknown.
+        line: usize,
+        /// Character in the line.
+        column: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// The values are each fine, but together no pattern.
+    #[error(transparent)]
+    Pattern(#[from] PatternError),
+}
+
+/// A piece of input as it may stand in a message: at most 40 characters.
+pub(super) fn clip(text: &str) -> String {
+    match text.char_indices().nth(40) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}

@@ -1,0 +1,41 @@
+//! The domain of points that come without one.
+
+use glam::DVec2;
+
+use super::error::FormatError;
+use crate::domain::Domain;
+use crate::pattern::mean_nearest_distance;
+
+/// The unit square when all points lie in it, else the bounding box grown on every side by half the mean distance
+/// between nearest neighbours: that much room the points at the border share with neighbours that were cut off.
+pub(super) fn guess_domain(positions: &[DVec2]) -> Result<Domain, FormatError> {
+    if positions.iter().all(|&point| Domain::UNIT.contains(point)) {
+        return Ok(Domain::UNIT);
+    }
+    let low = positions.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+    let high = positions.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
+    let extent = high - low;
+    let longest = extent.max_element();
+    let refuse = |reason: &str| Err(FormatError::NoDomain { reason: reason.to_owned() });
+    if longest == 0.0 {
+        return refuse("all of them are at one place outside the unit square");
+    }
+    if !longest.is_finite() {
+        return refuse("they lie farther apart than a double can tell");
+    }
+    // In units of the extent, so that squares of 1e200 or 1e-200 stay numbers.
+    let scaled: Vec<DVec2> = positions.iter().map(|&point| (point - low) / longest).collect();
+    let Some(spacing) = mean_nearest_distance(&scaled, None) else {
+        return refuse("they have no mean distance");
+    };
+    let spacing = spacing * longest;
+    let min = low - spacing / 2.0;
+    let mut size = extent + spacing;
+    // Rounding must not leave the outermost points outside: a digit or two of the coordinates is enough.
+    let digit = low.abs().max(high.abs()) * f64::EPSILON;
+    for _ in 0..4 {
+        let short = high.cmpgt(min + size);
+        size += DVec2::select(short, digit, DVec2::ZERO);
+    }
+    Domain::new(min, size).map_err(|error| FormatError::NoDomain { reason: error.to_string() })
+}

@@ -1,0 +1,189 @@
+//! JSON: our own lossless layout, and lists of points.
+//!
+//! ```json
+//! {"domain": {"min": [0, 0], "size": [1, 1]}, "boundary": "open", "positions": [[0.5, 0.5]], "classes": [0],
+//!  "class_names": ["points"], "attributes": [{"name": "radius", "values": [0.1]}]}
+//! [[0.5, 0.5], [0.25, 0.75]]
+//! {"points": [{"x": 0.5, "y": 0.5, "class": "oak", "radius": 0.1}], "domain": [0, 0, 1, 1], "boundary": "open"}
+//! ```
+
+use glam::DVec2;
+use serde::Deserialize as _;
+use serde_json::{Map, Value};
+
+use super::ReadOptions;
+use super::declaration::Declared;
+use super::error::{FormatError, clip};
+use super::guess::guess_domain;
+use super::table::{Row, RowPlace, Table};
+use crate::domain::{Boundary, Domain};
+use crate::pattern::PointPattern;
+
+/// Most commas: every value but one costs a comma, and the largest pattern needs a tenth of this. It bounds the
+/// memory that nested empty lists could take.
+const MAX_COMMAS: usize = 3_000_000;
+
+/// Reads any of the JSON layouts.
+pub(super) fn read(text: &str, options: &ReadOptions) -> Result<PointPattern, FormatError> {
+    let commas = text.bytes().filter(|&byte| byte == b',').count();
+    if commas > MAX_COMMAS {
+        return Err(layout(format!("there are more than {MAX_COMMAS} values; a pattern has fewer")));
+    }
+    match serde_json::from_str(text).map_err(|error| located(&error))? {
+        Value::Array(points) => points_table(&points, Declared::default())?.into_pattern(options),
+        Value::Object(object) if object.contains_key("positions") => own(text, object, options),
+        Value::Object(object) => match object.get("points") {
+            Some(Value::Array(points)) => points_table(points, declared(&object)?)?.into_pattern(options),
+            Some(other) => Err(layout(format!("'points' is {}, but must be a list", kind(other)))),
+            None => {
+                let keys: Vec<_> = object.keys().map(|key| format!("'{key}'")).collect();
+                Err(layout(format!("neither 'points' nor 'positions' is there; it holds {}", clip(&keys.join(", ")))))
+            }
+        },
+        other => {
+            Err(layout(format!("it is {}, but must be a list of points or an object with 'points'", kind(&other))))
+        }
+    }
+}
+
+/// Writes a pattern as JSON that reads back as the same pattern, digit by digit.
+#[must_use]
+pub fn write_json(pattern: &PointPattern) -> String {
+    #[expect(
+        clippy::expect_used,
+        reason = "finite numbers and strings in structs: nothing of it can fail to serialise"
+    )]
+    let mut text = serde_json::to_string(pattern).expect("a pattern serialises");
+    text.push('\n');
+    text
+}
+
+/// The layout of [`PointPattern`] itself; without a domain the usual rule finds one.
+fn own(text: &str, mut object: Map<String, Value>, options: &ReadOptions) -> Result<PointPattern, FormatError> {
+    let pattern: PointPattern = if object.contains_key("domain") {
+        // From the text, not from the values: so a wrong one has a line and a column.
+        serde_json::from_str(text).map_err(|error| located(&error))?
+    } else {
+        let positions = object.get("positions").cloned().unwrap_or_default();
+        let positions: Vec<[f64; 2]> =
+            Vec::deserialize(positions).map_err(|error| layout(format!("'positions' can't be read: {error}")))?;
+        if positions.is_empty() {
+            return Err(FormatError::NoPoints);
+        }
+        let positions: Vec<DVec2> = positions.into_iter().map(DVec2::from).collect();
+        let domain = match options.domain {
+            Some(domain) => domain,
+            None => guess_domain(&positions)?,
+        };
+        object.insert("domain".to_owned(), serde_json::to_value(domain).map_err(|error| located(&error))?);
+        serde_json::from_value(Value::Object(object)).map_err(|error| layout(error.to_string()))?
+    };
+    let boundary = options.boundary.unwrap_or(pattern.boundary());
+    let Some(domain) = options.domain else { return Ok(pattern.with_boundary(boundary)) };
+    let mut moved = PointPattern::new(domain, pattern.positions().to_vec())?
+        .with_boundary(boundary)
+        .with_classes(pattern.classes().to_vec(), pattern.class_names().to_vec())?;
+    for attribute in pattern.attributes() {
+        moved = moved.with_attribute(attribute.clone())?;
+    }
+    Ok(moved)
+}
+
+/// `[x, y, …]` or `{"x": …, "y": …, …}`, as rows of the same table that text files give.
+fn points_table(points: &[Value], declared: Declared) -> Result<Table, FormatError> {
+    let mut table = Table::new(declared);
+    let mut keys: Vec<&str> = Vec::new();
+    if let Some(Value::Object(first)) = points.first() {
+        keys = first.keys().map(String::as_str).collect();
+        for name in ["x", "y"] {
+            if !keys.iter().any(|key| key.eq_ignore_ascii_case(name)) {
+                let found = clip(&keys.join(", "));
+                return Err(layout(format!("point 1 of the list has no '{name}'; it has {found}")));
+            }
+        }
+        table.push(Row { place: RowPlace::Entry(1), cells: keys.iter().map(|key| (*key).to_owned()).collect() })?;
+    }
+    for (index, point) in points.iter().enumerate() {
+        let place = RowPlace::Entry(index + 1);
+        let wrong = |message: String| layout(format!("point {} of the list {message}", index + 1));
+        let cells = match point {
+            Value::Array(values) if keys.is_empty() => values.iter().map(cell).collect(),
+            Value::Object(values) if !keys.is_empty() => {
+                if let Some(extra) = values.keys().find(|key| !keys.contains(&key.as_str())) {
+                    return Err(wrong(format!("has '{}', which the first one does not have", clip(extra))));
+                }
+                let value = |key: &&str| {
+                    values
+                        .get(*key)
+                        .map(cell)
+                        .ok_or_else(|| wrong(format!("has no '{}'; the first one has it", clip(key))))
+                };
+                keys.iter().map(value).collect::<Result<_, _>>()?
+            }
+            other => {
+                let wanted =
+                    if keys.is_empty() { "a list [x, y]" } else { "an object with 'x' and 'y' like the first one" };
+                return Err(wrong(format!("is {}, but must be {wanted}", kind(other))));
+            }
+        };
+        table.push(Row { place, cells })?;
+    }
+    Ok(table)
+}
+
+/// A JSON value as the text of a cell.
+fn cell(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        // An empty cell, which no column accepts; "null" would pass for the name of a class.
+        Value::Null => String::new(),
+        other => other.to_string(),
+    }
+}
+
+/// `domain` (`[x0, y0, x1, y1]` or our own layout) and `boundary` beside a list of points.
+fn declared(object: &Map<String, Value>) -> Result<Declared, FormatError> {
+    let mut declared = Declared::default();
+    if let Some(value) = object.get("domain") {
+        let domain = match <[f64; 4]>::deserialize(value) {
+            Ok([x0, y0, x1, y1]) => Domain::new(DVec2::new(x0, y0), DVec2::new(x1 - x0, y1 - y0))?,
+            Err(_) => Domain::deserialize(value).map_err(|error| {
+                layout(format!("'domain' must be [x0, y0, x1, y1] or {{\"min\": [x, y], \"size\": [w, h]}}: {error}"))
+            })?,
+        };
+        declared.domain = Some(domain);
+    }
+    if let Some(value) = object.get("boundary") {
+        let boundary = Boundary::deserialize(value)
+            .map_err(|_| layout(format!("'boundary' is {value}, but must be \"open\" or \"periodic\"")))?;
+        declared.boundary = Some(boundary);
+    }
+    Ok(declared)
+}
+
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "true or false",
+        Value::Number(_) => "a number",
+        Value::String(_) => "a text",
+        Value::Array(_) => "a list",
+        Value::Object(_) => "an object",
+    }
+}
+
+fn layout(message: String) -> FormatError {
+    FormatError::Syntax { line: 0, column: 0, message: format!("the JSON can't be used: {message}") }
+}
+
+/// The library's words, with the place in front as in every other format.
+fn located(error: &serde_json::Error) -> FormatError {
+    let message = error.to_string();
+    let place = format!(" at line {} column {}", error.line(), error.column());
+    let message = message.strip_suffix(&place).unwrap_or(&message);
+    FormatError::Syntax {
+        line: error.line(),
+        column: error.column(),
+        message: format!("the JSON can't be used: {message}"),
+    }
+}
