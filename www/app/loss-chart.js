@@ -58,7 +58,7 @@ export class LossChart {
     if (width === 0 || height === 0) return;
     const context = prepare(this.#canvas, width, height);
     const count = this.#losses.length;
-    context.font = `11px ${getComputedStyle(this.#canvas).fontFamily}`;
+    context.font = `12px ${getComputedStyle(this.#canvas).fontFamily}`;
     context.lineWidth = 1;
     let [low, high] = [Infinity, -Infinity];
     for (const { gram, correlation } of this.#losses) {
@@ -134,8 +134,11 @@ export class LossChart {
   }
 }
 
-/** @param {number} value */
+/** A power of ten, or a multiple of one, as a label. @param {number} value */
 function tick(value) {
-  if (value >= 0.01 && value < 10000) return String(Number(value.toPrecision(1)));
-  return value.toExponential(0).replace('e', 'e').replace('+', '');
+  if (value >= 0.009 && value < 10_000) return String(Number(value.toPrecision(1)));
+  const power = Math.floor(Math.log10(value) + 1e-9);
+  const factor = Math.round(value / 10 ** power);
+  const superscript = [...String(power)].map((sign) => '⁰¹²³⁴⁵⁶⁷⁸⁹'[Number(sign)] ?? '⁻').join('');
+  return `${factor === 1 ? '' : `${factor}·`}10${superscript}`;
 }

@@ -126,7 +126,8 @@ function onStarted(started) {
   element('exemplar-title').textContent = chosen.title;
   element('exemplar-caption').textContent = chosen.caption;
   element('exemplar-count').textContent = points(exemplar.points.classes.length);
-  element('output-count').textContent = points(outputCount);
+  const factors = [started.parameters['expansion-x'], started.parameters['expansion-y']].map(Number);
+  element('output-count').textContent = `${points(outputCount)} · ${factors.map(times).join(' ')}`;
   element('exemplar-canvas').setAttribute(
     'aria-label',
     `The exemplar ${chosen.title}: ${points(exemplar.points.classes.length)}. ${chosen.caption}`,
@@ -161,7 +162,7 @@ function showProgress(iterationsPerSecond, secondsLeft) {
   element('fact-iteration').textContent = `Iteration ${totalIterations}`;
   element('fact-rate').textContent = iterationsPerSecond && !finished ? rate(iterationsPerSecond) : '';
   element('fact-left').textContent =
-    secondsLeft !== null && !finished ? `at most ${duration(secondsLeft)} left` : '';
+    secondsLeft !== null && !finished ? `about ${duration(secondsLeft)} left` : '';
   const bar = element('progress');
   if (bar.children.length !== scales) {
     bar.replaceChildren(

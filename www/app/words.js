@@ -9,7 +9,7 @@ export const times = (factor) => `×${Number(factor.toFixed(2))}`;
 
 /** @param {number} seconds */
 export function duration(seconds) {
-  if (seconds < 1) return 'under 1 s';
+  if (seconds < 1) return '1 s';
   if (seconds < 90) return `${Math.round(seconds)} s`;
   if (seconds < 5400) return `${Math.round(seconds / 60)} min`;
   return `${(seconds / 3600).toFixed(1)} h`;
