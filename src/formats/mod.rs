@@ -83,13 +83,13 @@ pub fn read(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
         FormatError::NotUtf8 { line, byte: bytes[error.valid_up_to()] }
     })?;
-    let named = |extension: &str| {
-        file_name.and_then(|name| name.rsplit_once('.')).is_some_and(|(_, end)| end.eq_ignore_ascii_case(extension))
-    };
+    let named_json = file_name
+        .and_then(|name| name.rsplit_once('.'))
+        .is_some_and(|(_, extension)| extension.eq_ignore_ascii_case("json"));
     if text.trim().is_empty() {
         return Err(FormatError::NoPoints);
     }
-    if text.trim_start().starts_with(['{', '[']) || named("json") {
+    if text.trim_start().starts_with(['{', '[']) || named_json {
         return json::read(text, options);
     }
     // Some programs end lines with a carriage return alone.
@@ -108,7 +108,7 @@ pub fn read(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
     if let Some(table) = reference::read(text) {
         return table?.into_pattern(options);
     }
-    let table = match delimiter(text).or(named("csv").then_some(b',')) {
+    let table = match delimiter(text) {
         Some(delimiter) => delimited::read(text, delimiter)?,
         None => whitespace::read(text)?,
     };

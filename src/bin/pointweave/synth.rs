@@ -1,0 +1,224 @@
+//! `pointweave synth`: runs the method on one exemplar.
+
+use std::io::{IsTerminal as _, stderr};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use pointweave::Domain;
+use pointweave::formats::ReadOptions;
+use pointweave::method::{Parameters, Preset};
+use pointweave::synthesis::{Event, Synthesis, SynthesisError, SynthesisState};
+
+use crate::failure::Failure;
+use crate::files::{self, Format, Output};
+use crate::memory;
+use crate::settings::{self, BoundaryArgument, PresetArgument};
+
+/// Most bytes of a saved state: the largest exemplar and output as JSON take a tenth of it.
+const MAX_STATE_BYTES: u64 = 200_000_000;
+
+/// Grow a larger pattern out of an exemplar.
+///
+/// IN is a file, - for standard input, or gallery:NAME for a built-in exemplar. What can be read: CSV (also with tabs
+/// or semicolons), columns separated by blanks, and JSON; columns x, y, class and any further numbers, with or
+/// without a header. The domain is what --domain says, else what the file declares in a line
+/// '# domain x0 y0 x1 y1 periodic', else the unit square when all points lie in it, else the points' bounding box and
+/// half a mean spacing around it.
+///
+/// The same exemplar, parameters and seed give the same points, whatever the number of threads.
+#[derive(Debug, Args)]
+#[command(after_long_help = after_help())]
+pub(crate) struct SynthArguments {
+    /// The exemplar: a file, - or gallery:NAME
+    #[arg(value_name = "IN", required_unless_present = "resume")]
+    input: Option<PathBuf>,
+    /// Where to write the result: .csv, .json, .svg, .png, or - for standard output [default: -]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// What to write, whatever the file is called [default: csv on standard output]
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+    /// Longer side of a PNG in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=8192))]
+    png_size: u32,
+
+    /// Size of the result in sizes of the exemplar: one number, or width x height as in 2x3 [default: 2]
+    #[arg(long, value_name = "N|WxH", value_parser = settings::parse_scale)]
+    scale: Option<[f64; 2]>,
+    /// Trade time for fidelity [default: fast]
+    #[arg(long, value_enum)]
+    preset: Option<PresetArgument>,
+    /// Same seed, same result [default: 1]
+    #[arg(long)]
+    seed: Option<u64>,
+    /// What lies beyond the border of the result [default: open]
+    #[arg(long, value_enum)]
+    boundary: Option<BoundaryArgument>,
+    /// The rectangle the exemplar's points were cut from
+    #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = settings::parse_domain)]
+    domain: Option<Domain>,
+    /// What lies beyond the border of the exemplar [default: what the file declares, else open]
+    #[arg(long, value_enum)]
+    exemplar_boundary: Option<BoundaryArgument>,
+    /// Change any parameter, as in --set channels=32; may be repeated (list below)
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = settings::parse_setting)]
+    settings: Vec<(String, String)>,
+
+    /// Threads to use [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Refuse to start when more memory than this is needed, in MB [default: three quarters of what is free]
+    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    max_memory: Option<u64>,
+    /// Stop after this many iterations altogether, those before a --resume included
+    #[arg(long, value_name = "N")]
+    max_iterations: Option<u64>,
+    /// Write everything needed to continue later, at the end or where --max-iterations stops
+    #[arg(long, value_name = "FILE")]
+    save_state: Option<PathBuf>,
+    /// Continue a saved run, exemplar and parameters included
+    #[arg(long, value_name = "FILE", conflicts_with_all =
+        ["input", "scale", "preset", "seed", "boundary", "domain", "exemplar_boundary", "settings"])]
+    resume: Option<PathBuf>,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+fn after_help() -> String {
+    format!(
+        "\
+Examples:
+  pointweave synth gallery:rings -o rings.svg
+  pointweave synth trees.csv -o forest.csv --scale 3x2 --seed 7 --domain 0,0,100,50
+  pointweave synth tile.json -o tile.png --boundary periodic --preset balanced
+  cat points.txt | pointweave synth - > more.csv
+  pointweave synth a.csv -o a.svg --max-iterations 100 --save-state a.state
+  pointweave synth --resume a.state -o a.svg
+
+{}",
+        settings::describe_parameters()
+    )
+}
+
+/// Runs the method and writes the result.
+pub(crate) fn run(arguments: SynthArguments) -> Result<(), Failure> {
+    let output = Output::new(arguments.output.as_deref(), arguments.format, arguments.png_size)?;
+    if let Some(path) = &arguments.save_state {
+        files::check_writable(path)?;
+    }
+    if let Some(threads) = arguments.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build_global()
+            .map_err(|error| Failure::Run(format!("{threads} threads can't be started: {error}")))?;
+    }
+    let memory_limit = arguments.max_memory.map_or_else(memory::default_limit, |megabytes| megabytes * 1_000_000);
+
+    let started = Instant::now();
+    let mut synthesis = begin(&arguments, memory_limit)?;
+    let speaking = !arguments.quiet && stderr().is_terminal();
+    let bar = progress_bar(speaking);
+    let outcome = advance(&mut synthesis, arguments.max_iterations, &bar);
+    bar.finish_and_clear();
+    outcome.map_err(|error| Failure::Run(error.to_string()))?;
+
+    let pattern = synthesis.output().map_err(|error| Failure::Run(error.to_string()))?;
+    if let Some(path) = &arguments.save_state {
+        let state = serde_json::to_vec(&synthesis.state())
+            .map_err(|error| Failure::Run(format!("the state can't be saved: {error}")))?;
+        files::write_file(path, &state)?;
+    }
+    output.write(&pattern, &format!("{} points, synthesised by Pointweave", pattern.len()))?;
+    if speaking {
+        let (iterations, time) = (synthesis.progress().total_iterations, started.elapsed().as_secs_f64());
+        eprintln!("{} points after {iterations} iterations in {time:.1} s: {}", pattern.len(), output.name());
+    }
+    Ok(())
+}
+
+/// A new run, or the saved one.
+fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<Synthesis, Failure> {
+    let refused = |error: SynthesisError| match error {
+        SynthesisError::Parameter(error) => Failure::Usage(error.to_string()),
+        other => Failure::Run(other.to_string()),
+    };
+    if let Some(path) = &arguments.resume {
+        let state = read_state(path)?;
+        // Its parameters come from a file, so a wrong one is no fault of the command line.
+        return Synthesis::resume(state, memory_limit)
+            .map_err(|error| Failure::Run(format!("'{}' can't be continued: {error}", path.display())));
+    }
+    let mut parameters = Parameters::preset(arguments.preset.map_or(Preset::Fast, Preset::from));
+    if let Some([width, height]) = arguments.scale {
+        (parameters.expansion_x, parameters.expansion_y) = (width, height);
+    }
+    parameters.seed = arguments.seed.unwrap_or(parameters.seed);
+    parameters.boundary = arguments.boundary.map_or(parameters.boundary, Into::into);
+    let parameters = settings::apply(parameters, &arguments.settings)?;
+    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+
+    let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
+    // Without --resume the parser makes sure that there is an input.
+    let input = arguments.input.as_deref().unwrap_or(Path::new("-"));
+    let exemplar = files::read_pattern(input, &options)?;
+    Synthesis::new(exemplar, parameters, memory_limit).map_err(refused)
+}
+
+fn read_state(path: &Path) -> Result<SynthesisState, Failure> {
+    let bytes = files::read_bytes(path, MAX_STATE_BYTES + 1)?;
+    if bytes.len() as u64 > MAX_STATE_BYTES {
+        return Err(Failure::Run(format!("'{}' has more than {MAX_STATE_BYTES} bytes", path.display())));
+    }
+    serde_json::from_slice(&bytes)
+        .map_err(|error| Failure::Run(format!("'{}' is not a saved state: {error}", path.display())))
+}
+
+/// Drives the run to its end, or to `max_iterations`.
+fn advance(synthesis: &mut Synthesis, max_iterations: Option<u64>, bar: &ProgressBar) -> Result<(), SynthesisError> {
+    let enough = |synthesis: &Synthesis| max_iterations.is_some_and(|max| synthesis.progress().total_iterations >= max);
+    while !enough(synthesis) {
+        match synthesis.advance()? {
+            Event::Working => bar.tick(),
+            Event::ScaleStarted { progress, .. } | Event::ScaleFinished { progress, .. } => {
+                bar.set_position((progress.done * PROGRESS_STEPS) as u64);
+            }
+            Event::Iterated { progress, loss } => {
+                bar.set_position((progress.done * PROGRESS_STEPS) as u64);
+                let class = if progress.classes > 1 {
+                    format!("class {}/{}, ", progress.class + 1, progress.classes)
+                } else {
+                    String::new()
+                };
+                bar.set_message(format!(
+                    "{class}scale {}/{}, iteration {}/{}, loss {:.3e}",
+                    progress.scale + 1,
+                    progress.scales,
+                    progress.iteration,
+                    progress.iterations,
+                    loss.total()
+                ));
+            }
+            Event::Finished => break,
+        }
+    }
+    Ok(())
+}
+
+/// The bar counts thousandths of the work.
+const PROGRESS_STEPS: f64 = 1000.0;
+
+/// A bar on a terminal, silence elsewhere.
+fn progress_bar(speaking: bool) -> ProgressBar {
+    if !speaking {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(PROGRESS_STEPS as u64);
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}  {eta} left") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}

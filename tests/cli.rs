@@ -1,0 +1,272 @@
+//! The real binary: files, standard streams, exit codes, and what it says when it refuses.
+#![cfg(not(target_arch = "wasm32"))]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use pointweave::formats::{ReadOptions, read, write_csv};
+use pointweave::{Boundary, PointPattern, gallery};
+
+/// The smallest run the parameters allow: these tests are about the command line, not about the picture.
+const TINY: [&str; 16] = [
+    "--set",
+    "channels=4",
+    "--set",
+    "grid-min=16",
+    "--set",
+    "grid-max=16",
+    "--set",
+    "scales=2",
+    "--set",
+    "iterations-coarse=3",
+    "--set",
+    "iterations-fine=2",
+    "--set",
+    "coarse-sigma-px=4",
+    "--threads",
+    "1",
+];
+
+/// A folder of its own for one test, gone with it.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("pointweave-cli-{}-{test}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    fn file(&self, name: &str, text: &str) -> String {
+        fs::write(self.0.join(name), text).unwrap();
+        self.path(name)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(&self.0).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn run(arguments: &[&str], input: &[u8]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pointweave"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A command that refuses early may never read it.
+    let _ = child.stdin.take().unwrap().write_all(input);
+    child.wait_with_output().unwrap()
+}
+
+/// Runs a tiny synthesis that must succeed in silence; returns standard output.
+#[track_caller]
+fn synth(arguments: &[&str], input: &[u8]) -> Vec<u8> {
+    let output = run(&[&["synth"], arguments, &TINY[..]].concat(), input);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), &*words), (Some(0), ""), "{arguments:?}");
+    output.stdout
+}
+
+/// The command must end with `code` and say all of `parts`, in one line, with nothing on standard output.
+#[track_caller]
+fn refused(arguments: &[&str], input: &[u8], code: i32, parts: &[&str]) {
+    let output = run(arguments, input);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {words}");
+    assert!(output.stdout.is_empty());
+    for part in parts {
+        assert!(words.contains(part), "{arguments:?}\n  says    {words:?}\n  without {part:?}");
+    }
+    if words.starts_with("pointweave: ") {
+        assert_eq!(words.lines().count(), 1, "{words}");
+    }
+}
+
+fn pattern(bytes: &[u8]) -> PointPattern {
+    read(bytes, None, &ReadOptions::default()).unwrap()
+}
+
+fn exemplar() -> String {
+    write_csv(&gallery::entries()[0].exemplar())
+}
+
+#[test]
+fn every_format_goes_in_and_out() {
+    let folder = Folder::new("formats");
+    let input = folder.file("in.csv", &exemplar());
+    let [csv, json, svg, png] = ["out.csv", "out.json", "out.SVG", "out.png"].map(|name| {
+        assert!(synth(&[&input, "-o", &folder.path(name)], b"").is_empty());
+        fs::read(folder.path(name)).unwrap()
+    });
+    let result = pattern(&csv);
+    let source = pattern(exemplar().as_bytes());
+    assert_eq!(result.len(), 4 * source.len());
+    assert_eq!(result.domain().size(), source.domain().size() * 2.0);
+    assert_eq!(result.boundary(), Boundary::Open);
+    assert_eq!(pattern(&json), result);
+    let svg = String::from_utf8(svg).unwrap();
+    assert_eq!(svg.matches("<circle").count(), result.len());
+    assert!(svg.contains(&format!("<title>{} points", result.len())), "{svg:.300}");
+    assert!(png.starts_with(b"\x89PNG"));
+    assert_eq!(folder.names(), ["in.csv", "out.SVG", "out.csv", "out.json", "out.png"], "no half-written files");
+
+    // Standard streams carry the same, and a pipe sees no progress bar (`synth` asserts silence).
+    assert_eq!(synth(&["-"], exemplar().as_bytes()), csv);
+    assert_eq!(synth(&["-", "-o", "-", "--format", "json"], exemplar().as_bytes()), json);
+    assert_eq!(synth(&[&format!("gallery:{}", gallery::entries()[0].name)], b""), csv);
+    // --format beats the name; an existing file is replaced whole.
+    let long = folder.file("old.csv", &"x".repeat(1_000_000));
+    synth(&[&input, "-o", &long, "--format", "json"], b"");
+    assert_eq!(fs::read(&long).unwrap(), json);
+}
+
+#[test]
+fn parameters_reach_the_run() {
+    let text = exemplar();
+    let base = synth(&["-"], text.as_bytes());
+    assert_eq!(synth(&["-", "--seed", "1", "--preset", "fast", "--scale", "2"], text.as_bytes()), base);
+    assert_ne!(synth(&["-", "--seed", "2"], text.as_bytes()), base);
+    assert_eq!(synth(&["-", "--seed", "2"], text.as_bytes()), synth(&["-", "--set", "seed=2"], text.as_bytes()));
+
+    let source = pattern(text.as_bytes());
+    let wide = pattern(&synth(&["-", "--scale", "3x1", "--boundary", "periodic"], text.as_bytes()));
+    assert_eq!(wide.boundary(), Boundary::Periodic);
+    assert!((wide.domain().size() / source.domain().size() - glam::DVec2::new(3.0, 1.0)).length() < 1e-12);
+    // A domain twice as wide is twice as empty; the result keeps that.
+    let sparse = pattern(&synth(&["-", "--domain", "-1,0,1,1"], b"0.1 0.1\n0.5 0.5\n0.9 0.2\n0.3 0.8\n0.7 0.9\n"));
+    assert_eq!((sparse.domain().min().x, sparse.domain().size().x, sparse.len()), (-1.0, 4.0, 20));
+}
+
+#[test]
+fn a_saved_run_continues_bit_for_bit() {
+    let folder = Folder::new("state");
+    let (state, again) = (folder.path("half.state"), folder.path("whole.state"));
+    let whole = synth(&["-", "--save-state", &again], exemplar().as_bytes());
+    let half = synth(&["-", "--max-iterations", "2", "--save-state", &state], exemplar().as_bytes());
+    assert_ne!(half, whole);
+    let resumed = run(&["synth", "--resume", &state, "--threads", "1"], b"");
+    assert_eq!((resumed.status.code(), resumed.stderr.as_slice()), (Some(0), &b""[..]));
+    assert_eq!(resumed.stdout, whole);
+    // A finished run has nothing left to do.
+    assert_eq!(run(&["synth", "--resume", &again], b"").stdout, whole);
+
+    refused(&["synth", "--resume", &state, "--seed", "2"], b"", 2, &["--seed", "--resume"]);
+    let broken = folder.file("broken.state", "{\"version\": 1}");
+    refused(&["synth", "--resume", &broken], b"", 1, &["broken.state", "is not a saved state", "missing field"]);
+    let later = fs::read_to_string(&state).unwrap().replacen("\"version\":1", "\"version\":99", 1);
+    let later = folder.file("later.state", &later);
+    refused(&["synth", "--resume", &later], b"", 1, &["can't be continued", "99"]);
+}
+
+#[test]
+fn wrong_command_lines_end_with_2() {
+    for (arguments, parts) in [
+        (&["synth"][..], &["IN"][..]),
+        (&["weave"], &["weave"]),
+        (&["synth", "-", "--preset", "slow"], &["slow", "balanced"]),
+        (&["synth", "-", "--scale", "2y3"], &["\"2y3\" is not a number", "2x3"]),
+        (&["synth", "-", "--scale", "9"], &["'expansion-x' is 9", "between 0.25 and 8"]),
+        (&["synth", "-", "--domain", "0,0,1"], &["3 numbers", "needs 4"]),
+        (&["synth", "-", "--domain", "0,0,0,1"], &["greater than 0"]),
+        (&["synth", "-", "--set", "channels"], &["name=value"]),
+        (&["synth", "-", "--set", "chanels=8"], &["no parameter 'chanels'", "channels"]),
+        (&["synth", "-", "--set", "channels=1000"], &["'channels' is 1000", "between 4 and 160"]),
+        (&["synth", "-", "--set", "grid-min=200", "--set", "grid-max=100"], &["'grid-max' is 100", "'grid-min'"]),
+        (&["synth", "-", "-o", "out.gif"], &["out.gif", ".csv, .json, .svg or .png"]),
+        (&["synth", "-", "--threads", "0"], &["--threads"]),
+        (&["synth", "-", "--png-size", "9"], &["--png-size"]),
+        (&["synth", "gallery:nothing"], &["no 'nothing'", gallery::entries()[0].name]),
+        (&["gallery", "nothing"], &["no 'nothing'"]),
+        (&["gallery", "-o", "a.csv"], &["NAME"]),
+    ] {
+        refused(arguments, b"0.1 0.1\n0.9 0.9\n0.2 0.7", 2, parts);
+    }
+}
+
+#[test]
+fn failures_end_with_1() {
+    let folder = Folder::new("failures");
+    let (input, missing) = (folder.file("in.csv", "x,y\n0.1,0.2\n0.3,abc\n"), folder.path("missing.csv"));
+    let nowhere = folder.path("nowhere/out.csv");
+    refused(&["synth", &missing], b"", 1, &["missing.csv", "can't be read"]);
+    refused(&["synth", &input], b"", 1, &["in.csv", "line 3, column 2", "\"abc\"", "finite number"]);
+    refused(&["synth", "-"], b"0.1 0.2\ninf 0.1", 1, &["standard input", "line 2, column 1"]);
+    refused(&["synth", "-"], b"", 1, &["standard input", "no points"]);
+    refused(&["synth", "-"], b"0.5 0.5", 1, &["the exemplar can't be used"]);
+    refused(&["synth", "-"], &vec![b' '; 20_000_001], 1, &["20000001 bytes", "at most 20000000"]);
+    refused(&["synth", "-", "-o", &nowhere], exemplar().as_bytes(), 1, &["nowhere", "folder does not exist"]);
+    refused(&["synth", "-", "-o", &nowhere, "--format", "svg"], b"", 1, &["folder does not exist"]);
+    refused(&["synth", "-", "--max-memory", "1"], exemplar().as_bytes(), 1, &["MB of memory", "1 MB", "lower"]);
+    // What was there before a failure is still there, and nothing else.
+    let kept = folder.file("kept.csv", "precious");
+    refused(&["synth", &input, "-o", &kept], b"", 1, &["abc"]);
+    assert_eq!(fs::read_to_string(&kept).unwrap(), "precious");
+    assert_eq!(folder.names(), ["in.csv", "kept.csv"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn writing_respects_links_devices_and_modes() {
+    use std::os::unix::fs::{PermissionsExt as _, symlink};
+    let folder = Folder::new("links");
+    let name = gallery::entries()[0].name;
+    let real = folder.file("real.csv", "old");
+    fs::set_permissions(&real, fs::Permissions::from_mode(0o640)).unwrap();
+    symlink(&real, folder.path("link.csv")).unwrap();
+    assert!(run(&["gallery", name, "-o", &folder.path("link.csv")], b"").status.success());
+    assert!(fs::symlink_metadata(folder.path("link.csv")).unwrap().is_symlink());
+    assert_eq!(fs::read_to_string(&real).unwrap(), exemplar());
+    assert_eq!(fs::metadata(&real).unwrap().permissions().mode() & 0o777, 0o640);
+    assert!(run(&["gallery", name, "-o", "/dev/null", "--format", "svg"], b"").status.success());
+    assert!(!Path::new("/dev/null").is_file());
+}
+
+#[test]
+fn the_gallery_lists_and_exports() {
+    let list = String::from_utf8(run(&["gallery"], b"").stdout).unwrap();
+    assert_eq!(list.lines().count(), gallery::entries().len());
+    for (line, entry) in list.lines().zip(gallery::entries()) {
+        assert!(line.starts_with(entry.name) && line.ends_with(entry.caption), "{line}");
+        assert!(line.contains(&format!("{} points", entry.exemplar().len())), "{line}");
+    }
+    let entry = gallery::entries()[1];
+    assert_eq!(pattern(&run(&["gallery", entry.name], b"").stdout), entry.exemplar());
+    let other = run(&["gallery", entry.name, "--seed", "12", "--format", "json"], b"");
+    assert_eq!(pattern(&other.stdout), entry.generate(12));
+}
+
+#[test]
+fn help_teaches() {
+    for (arguments, parts) in [
+        (&["--help"][..], &["Examples:", "Exit codes:", "gallery:rings"][..]),
+        (&["help", "synth"], &["--scale", "Examples:", "sigma-fine-divisor", "# domain x0 y0 x1 y1", "0.25 to 8"]),
+        (&["gallery", "--help"], &["Examples:"]),
+    ] {
+        let output = run(arguments, b"");
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert_eq!(output.status.code(), Some(0));
+        for part in parts {
+            assert!(text.contains(part), "{arguments:?} without {part:?}:\n{text}");
+        }
+    }
+    let version = run(&["--version"], b"").stdout;
+    assert_eq!(String::from_utf8_lossy(&version).trim(), format!("pointweave {}", env!("CARGO_PKG_VERSION")));
+}
