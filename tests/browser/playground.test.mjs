@@ -155,15 +155,17 @@ describe('the playground', () => {
     await page.waitForFunction((points) => /** @type {any} */ (window).pointweave.positions.length === points, 3 * four);
     assert.equal(await count(), (four / 4) * 6);
     await page.locator('.slider').first().hover();
-    assert.match(await page.locator('#hint-expansion-x').innerText(), /Width of the result/);
-    await page.waitForTimeout(600);
-    assert.ok(await page.locator('#hint-expansion-x').isVisible());
+    await page.getByText('Width of the result').waitFor();
     assert.ok(await page.locator('#tiles-row').isHidden());
-    await page.getByText('Periodic', { exact: true }).click();
+    await page.getByLabel('Periodic').check();
     assert.ok(await page.getByLabel('Show 3 × 3 tiles').isVisible());
-    await page.getByLabel('Show 3 × 3 tiles').check();
+    const picture = () => page.locator('#output-canvas').evaluate((canvas) => /** @type {HTMLCanvasElement} */ (canvas).toDataURL());
     await status(page, 'playing');
     await iterations(page, 2);
+    await pause(page);
+    const once = await picture();
+    await page.getByLabel('Show 3 × 3 tiles').check();
+    assert.notEqual(await picture(), once, 'the tiles are drawn, also in a pause');
     const before = await page.getByLabel('Seed', { exact: true }).inputValue();
     await page.getByRole('button', { name: 'Roll another seed' }).click();
     assert.notEqual(await page.getByLabel('Seed', { exact: true }).inputValue(), before);
@@ -257,7 +259,10 @@ describe('the playground', () => {
     for (const width of [360, 700, 900, 1200]) {
       await page.setViewportSize({ width, height: 740 });
       await page.waitForTimeout(200);
-      const { scrollWidth, clientWidth } = await page.evaluate(() => document.documentElement);
+      const { scrollWidth, clientWidth } = await page.evaluate(() => {
+        const { scrollWidth, clientWidth } = document.documentElement;
+        return { scrollWidth, clientWidth };
+      });
       assert.ok(scrollWidth <= clientWidth, `${scrollWidth} px of page in ${width} px`);
       const { right } = await page.locator('#output-canvas').evaluate((canvas) => canvas.getBoundingClientRect().toJSON());
       assert.ok(right <= width, `the result ends at ${right} of ${width}`);

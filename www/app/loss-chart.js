@@ -4,7 +4,7 @@ import { prepare, readColours } from './draw.js';
 
 /** Below this a loss is zero as far as a picture goes. */
 const SMALLEST = 1e-9;
-const AXIS = 34;
+const AXIS = 50;
 const FOOT = 18;
 
 export class LossChart {

@@ -86,9 +86,17 @@ function unnotify() {
   element('notices').replaceChildren();
 }
 
-/** @param {string} message a sentence of the library; those begin small */
+/** @param {string} message a sentence of the library; those begin small and have no full stop */
 function complain(message) {
-  notify(message.charAt(0).toUpperCase() + message.slice(1) + (/[.!?]$/.test(message) ? '' : '.'));
+  complainAbout('', message.charAt(0).toUpperCase() + message.slice(1));
+}
+
+/**
+ * @param {string} start what must stay as it is, such as a file's name
+ * @param {string} message
+ */
+function complainAbout(start, message) {
+  notify(start + message + (/[.!?]$/.test(message) ? '' : '.'));
 }
 
 /** @param {string} text for those who do not see the canvas move */
@@ -157,12 +165,13 @@ function showProgress(iterationsPerSecond, secondsLeft) {
   if (!progress) return;
   const { class: klass, classes, scale, scales, iteration, iterations, totalIterations, done } = progress;
   const finished = run.status === 'finished';
+  const playing = run.status === 'playing';
   const part = classes > 1 ? `Class ${klass + 1} of ${classes} · ` : '';
   element('fact-scale').textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}`;
   element('fact-iteration').textContent = `Iteration ${totalIterations}`;
-  element('fact-rate').textContent = iterationsPerSecond && !finished ? rate(iterationsPerSecond) : '';
+  element('fact-rate').textContent = iterationsPerSecond && playing ? rate(iterationsPerSecond) : '';
   element('fact-left').textContent =
-    secondsLeft !== null && !finished ? `about ${duration(secondsLeft)} left` : '';
+    secondsLeft !== null && playing ? `about ${duration(secondsLeft)} left` : '';
   const bar = element('progress');
   if (bar.children.length !== scales) {
     bar.replaceChildren(
@@ -175,7 +184,7 @@ function showProgress(iterationsPerSecond, secondsLeft) {
   }
   for (const [index, segment] of [...bar.children].entries()) {
     const share = finished || index < scale ? 1 : index > scale ? 0 : iteration / Math.max(iterations, 1);
-    /** @type {HTMLElement} */ (segment.firstChild).style.transform = `translateX(${100 * Math.min(share, 1) - 100}%)`;
+    /** @type {HTMLElement} */ (segment.firstChild).style.transform = `translateX(${101 * Math.min(share, 1) - 101}%)`;
   }
   const words = finished ? 'Finished' : `Scale ${scale + 1} of ${scales}, iteration ${iteration} of ${iterations}`;
   bar.setAttribute('aria-valuenow', String(Math.round(100 * (finished ? 1 : done))));
@@ -195,10 +204,8 @@ function onStatus(status) {
   element('play-label').textContent =
     does === 'pause' ? 'Pause' : does === 'again' ? 'Run again' : continues ? 'Continue' : 'Run';
   element('step').toggleAttribute('disabled', status === 'finished' || status === 'stopped' || status === 'empty');
-  if (status === 'finished') {
-    showProgress(null, null);
-    announce('Finished.');
-  }
+  if (status !== 'playing') showProgress(null, null);
+  if (status === 'finished') announce('Finished.');
   document.body.dataset.status = status;
 }
 
@@ -419,7 +426,7 @@ function showGallery(entries) {
 async function openFile(file) {
   unnotify();
   if (file.size > LARGEST_FILE) {
-    complain(`${file.name} has ${Math.round(file.size / 1e6)} MB; a point pattern of that size can't be used here`);
+    complainAbout(file.name, ` has ${Math.round(file.size / 1e6)} MB; a point pattern of that size can't be used here`);
     return;
   }
   try {
@@ -441,8 +448,8 @@ async function openFile(file) {
     await begin(true);
   } catch (error) {
     if (error instanceof WorkerDied) return;
-    if (error instanceof Refused) complain(error.message);
-    else complain(`${file.name} could not be read: ${error instanceof Error ? error.message : error}`);
+    if (error instanceof Refused) complainAbout('', error.message);
+    else complainAbout(file.name, ` could not be read: ${error instanceof Error ? error.message : error}`);
   }
 }
 

@@ -13,7 +13,7 @@ const MARGIN = 8;
 /** The drawn points cover this share of their way in about 60 ms. */
 const GLIDE_MS = 70;
 /** Narrower than this, exemplar and result stand above each other. */
-const STACK_BELOW = 600;
+const STACK_BELOW = 520;
 /** The words below the exemplar need this much. */
 const CAPTION_WIDTH = 170;
 
