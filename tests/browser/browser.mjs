@@ -95,7 +95,7 @@ export async function withPage(browser, { query = '', viewport = { width: 1440, 
  * One member of the page's debug object.
  *
  * @param {Page} page
- * @param {'status' | 'progress' | 'positions' | 'losses' | 'savedIterations'} member
+ * @param {'status' | 'progress' | 'parameters' | 'positions' | 'losses' | 'savedIterations'} member
  * @returns {Promise<any>}
  */
 export const peek = (page, member) =>
@@ -111,6 +111,20 @@ export const iterations = (page, count) =>
   page.waitForFunction(
     (least) => /** @type {any} */ (window).pointweave?.progress?.totalIterations >= least,
     count,
+    { polling: 50 },
+  );
+
+/**
+ * Waits until a run with that parameter has begun; settings take effect a moment after they were changed.
+ *
+ * @param {Page} page
+ * @param {string} name
+ * @param {number | string} value
+ */
+export const parameter = (page, name, value) =>
+  page.waitForFunction(
+    ([key, wanted]) => /** @type {any} */ (window).pointweave?.parameters?.[key] === wanted,
+    /** @type {const} */ ([name, value]),
     { polling: 50 },
   );
 

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
-import { csvRows, downloadText, iterations, launch, pause, peek, settled, status, withPage } from './browser.mjs';
+import { csvRows, downloadText, iterations, launch, parameter, pause, peek, settled, status, withPage } from './browser.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -25,7 +25,7 @@ const farthest = (a, b) => a.reduce((most, value, index) => Math.max(most, Math.
 /** @param {Page} page @param {string} seed */
 async function seedAndPause(page, seed) {
   await page.getByLabel('Seed', { exact: true }).fill(seed);
-  await page.waitForTimeout(400);
+  await parameter(page, 'seed', Number(seed));
   await status(page, 'playing');
   await pause(page);
   await page.getByRole('button', { name: 'Reset' }).click();
@@ -80,6 +80,7 @@ describe('the playground', () => {
 
   pageTest('moves the points of a chosen exemplar, holds a pause, and steps once', {}, async (page) => {
     await status(page, 'playing');
+    await iterations(page, 1);
     await page.locator('.exemplar-card').nth(3).click();
     const title = await page.locator('.exemplar-card strong').nth(3).innerText();
     await page.waitForFunction((words) => document.getElementById('exemplar-title')?.textContent === words, title);
@@ -159,6 +160,7 @@ describe('the playground', () => {
     assert.ok(await page.locator('#tiles-row').isHidden());
     await page.getByLabel('Periodic').check();
     assert.ok(await page.getByLabel('Show 3 × 3 tiles').isVisible());
+    await parameter(page, 'boundary', 'periodic');
     const picture = () => page.locator('#output-canvas').evaluate((canvas) => /** @type {HTMLCanvasElement} */ (canvas).toDataURL());
     await status(page, 'playing');
     await iterations(page, 2);
@@ -168,7 +170,9 @@ describe('the playground', () => {
     assert.notEqual(await picture(), once, 'the tiles are drawn, also in a pause');
     const before = await page.getByLabel('Seed', { exact: true }).inputValue();
     await page.getByRole('button', { name: 'Roll another seed' }).click();
-    assert.notEqual(await page.getByLabel('Seed', { exact: true }).inputValue(), before);
+    const rolled = await page.getByLabel('Seed', { exact: true }).inputValue();
+    assert.notEqual(rolled, before);
+    await parameter(page, 'seed', Number(rolled));
   });
 
   pageTest('reads a dropped file and uses it', {}, async (page) => {
@@ -210,6 +214,7 @@ describe('the playground', () => {
     await seed.press('Enter');
     await page.getByText('The seed must be a whole number').waitFor();
     await seed.fill('9007199254740991');
+    await parameter(page, 'seed', Number.MAX_SAFE_INTEGER);
     assert.equal(await seed.getAttribute('aria-invalid'), 'false');
     await page.getByText('The seed must be a whole number').waitFor({ state: 'detached' });
     await iterations(page, 1);
@@ -236,7 +241,8 @@ describe('the playground', () => {
     const before = await chosen();
     await page.keyboard.press('ArrowDown');
     assert.notEqual(await chosen(), before);
-    await page.waitForTimeout(400);
+    const title = await page.locator('.exemplar-card:has(:checked) strong').innerText();
+    await page.waitForFunction((words) => document.getElementById('exemplar-title')?.textContent === words, title);
     await status(page, 'playing');
     await page.keyboard.press('Space');
     await status(page, 'paused');
@@ -245,7 +251,8 @@ describe('the playground', () => {
   pageTest('finishes, fills its progress and can be run again', {}, async (page) => {
     await iterations(page, 1);
     await page.getByLabel('Width').fill('1');
-    await page.waitForFunction(() => document.getElementById('output-count')?.textContent?.endsWith('×1 ×1'));
+    await parameter(page, 'expansion-y', 1);
+    assert.match(await page.locator('#output-count').innerText(), /×1 ×1$/);
     await page.waitForFunction(() => /** @type {any} */ (window).pointweave.status === 'finished', null, { timeout: 200_000 });
     assert.equal(await page.getByRole('progressbar').getAttribute('aria-valuenow'), '100');
     assert.equal(await page.locator('#fact-scale').innerText(), 'Finished');

@@ -46,6 +46,8 @@ const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus
 let chosen = { title: 'Rings', caption: '', source: { source: 'gallery', name: FIRST } };
 /** @type {Progress | null} */
 let progress = null;
+/** @type {import('./messages.js').Parameters | null} */
+let parameters = null;
 let booted = false;
 
 // ---------------------------------------------------------------------------------------------- notices
@@ -127,6 +129,7 @@ function onWorkerDeath(reason) {
 /** @param {import('./messages.js').StartedResponse} started */
 function onStarted(started) {
   progress = started.progress;
+  parameters = started.parameters;
   chart.keep(started.progress.totalIterations);
   stage.show(started.exemplar, started.output);
   const { exemplar, output } = started;
@@ -553,6 +556,10 @@ Object.assign(window, {
     },
     get progress() {
       return progress && { ...progress };
+    },
+    /** All parameters of the run, under their names in files. */
+    get parameters() {
+      return parameters && { ...parameters };
     },
     /** Where the points are, not where they are drawn on their way there: `[x, y, x, y, …]` in exemplar units. */
     get positions() {
