@@ -165,7 +165,7 @@ fn synthesise(entry: &Entry, parameters: &Parameters) -> Result<Synthesised> {
             Event::Working | Event::ScaleStarted { .. } | Event::ScaleFinished { .. } => {}
         }
     }
-    Ok(Synthesised { exemplar, output: synthesis.output(), time: start.elapsed(), iterations, loss })
+    Ok(Synthesised { exemplar, output: synthesis.output()?, time: start.elapsed(), iterations, loss })
 }
 
 /// The exemplar, lower left, and the output beside it, under two lines of text.

@@ -20,6 +20,7 @@
 //! | [`synthesis`] | the run as a state machine: classes × scales × iterations |
 //! | [`web`] | what the worker of the page calls |
 
+pub mod bench;
 pub mod domain;
 pub mod engine;
 pub mod formats;

@@ -95,16 +95,17 @@ pub fn draw(pattern: &PointPattern, pixmap: &mut Pixmap, x: f64, y: f64, width: 
         pixmap.fill_rect(area, &paint(color), Transform::identity(), None);
     }
     let domain = rectangle(layout.min, layout.size);
+    // Below the disks: points on the border stay whole.
+    if let (Some(color), Some(domain)) = (look.frame, domain) {
+        let stroke = Stroke { width: layout.line as f32, ..Stroke::default() };
+        pixmap.stroke_path(&PathBuilder::from_rect(domain), &paint(color), &stroke, Transform::identity(), None);
+    }
     let clip = domain.filter(|_| layout.clipped).and_then(|domain| {
         let mut mask = Mask::new(pixmap.width(), pixmap.height())?;
         mask.fill_path(&PathBuilder::from_rect(domain), FillRule::Winding, true, Transform::identity());
         Some(mask)
     });
     draw_disks(&layout, pixmap, clip.as_ref());
-    if let (Some(color), Some(domain)) = (look.frame, domain) {
-        let stroke = Stroke { width: layout.line as f32, ..Stroke::default() };
-        pixmap.stroke_path(&PathBuilder::from_rect(domain), &paint(color), &stroke, Transform::identity(), None);
-    }
 }
 
 fn draw_disks(layout: &Layout, pixmap: &mut Pixmap, clip: Option<&Mask>) {

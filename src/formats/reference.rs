@@ -50,8 +50,11 @@ pub(super) fn read(text: &str) -> Option<Result<Table, FormatError>> {
 fn announced<'a>(cells: &[&'a str]) -> Option<Vec<&'a str>> {
     let count: usize = cells.first()?.parse().ok()?;
     let ids = &cells[1..];
+    if count == 0 || count != ids.len() {
+        return None;
+    }
     let distinct = ids.iter().enumerate().all(|(i, id)| !ids[..i].contains(id) && id.parse::<i64>().is_ok());
-    (count == ids.len() && count > 0 && distinct).then(|| ids.to_vec())
+    distinct.then(|| ids.to_vec())
 }
 
 fn table<'a>(lines: impl Iterator<Item = (usize, Vec<&'a str>)>, ids: &[&str]) -> Result<Table, FormatError> {

@@ -50,6 +50,11 @@ pub fn write_svg(pattern: &PointPattern, style: &SvgStyle) -> String {
     if let Some(color) = style.look.background {
         let _ = writeln!(svg, "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>", color.hex());
     }
+    // Below the disks: points on the border stay whole.
+    if let Some(color) = style.look.frame {
+        let line = Px(layout.line);
+        let _ = writeln!(svg, "<rect {frame} fill=\"none\" stroke=\"{}\" stroke-width=\"{line}\"/>", color.hex());
+    }
     if layout.clipped {
         let _ = writeln!(svg, "<clipPath id=\"tile\"><rect {frame}/></clipPath>\n<g clip-path=\"url(#tile)\">");
     }
@@ -77,10 +82,6 @@ pub fn write_svg(pattern: &PointPattern, style: &SvgStyle) -> String {
     }
     if layout.clipped {
         svg.push_str("</g>\n");
-    }
-    if let Some(color) = style.look.frame {
-        let line = Px(layout.line);
-        let _ = writeln!(svg, "<rect {frame} fill=\"none\" stroke=\"{}\" stroke-width=\"{line}\"/>", color.hex());
     }
     svg.push_str("</svg>\n");
     svg

@@ -7,7 +7,7 @@ use super::declaration::Declared;
 use super::error::{FormatError, Place, clip};
 use super::guess::guess_domain;
 use crate::domain::Boundary;
-use crate::pattern::{Attribute, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, PointPattern};
+use crate::pattern::{Attribute, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, PatternError, PointPattern};
 
 /// Most columns of a table, skipped ones included.
 const MAX_COLUMNS: usize = 64;
@@ -108,6 +108,10 @@ impl Table {
         let mut positions = vec![DVec2::ZERO; self.rows.len()];
         let mut classes = Vec::new();
         let mut class_names = std::mem::take(&mut self.declared.classes);
+        if class_names.len() > MAX_CLASSES {
+            let count = class_names.len();
+            return Err(PatternError::TooMany { what: "classes", count, max: MAX_CLASSES }.into());
+        }
         let mut attributes = Vec::new();
         for (column, role) in roles.into_iter().enumerate() {
             match role {
@@ -307,8 +311,8 @@ impl Table {
                     names.len() - 1
                 }
             };
-            // At most MAX_CLASSES, or the names declared in one line; the pattern checks their number.
-            classes.push(u16::try_from(class).unwrap_or(u16::MAX));
+            // Below MAX_CLASSES.
+            classes.push(class as u16);
         }
         Ok(classes)
     }

@@ -216,7 +216,7 @@ fn progress_bar(speaking: bool) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(PROGRESS_STEPS as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}  {eta} left") {
+    if let Ok(style) = ProgressStyle::with_template("{bar:24} {percent:>3} %  {wide_msg}  {eta} left") {
         bar.set_style(style);
     }
     bar.enable_steady_tick(Duration::from_millis(200));

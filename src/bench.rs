@@ -1,0 +1,170 @@
+//! One iteration of the method, timed: the same work on the command line and in the browser.
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::Boundary;
+use crate::engine::cpu::adam::Adam;
+use crate::engine::cpu::network::Stage;
+use crate::engine::cpu::{CpuEngine, parallel};
+use crate::engine::{Advance, ScaleSetup};
+use crate::method::schedule::Scale;
+use crate::method::{Parameters, Preset};
+use crate::sampling::{Purpose, Rng, poisson_disk};
+
+/// Size of the work. The defaults are the paper's.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", deny_unknown_fields)]
+pub struct Workload {
+    /// Columns and rows of the output's sampling grid.
+    pub grid: [usize; 2],
+    /// Pixels along a side of the exemplar's grid.
+    pub exemplar_grid: usize,
+    /// Output channels of every random convolution.
+    pub channels: usize,
+    /// Points of the output.
+    pub points: usize,
+    /// Timed iterations, after one that is not.
+    pub iterations: usize,
+}
+
+impl Default for Workload {
+    fn default() -> Self {
+        Self { grid: [256, 256], exemplar_grid: 128, channels: 120, points: 256, iterations: 5 }
+    }
+}
+
+/// A workload outside what can be run.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("'{name}' is {value}, but must lie between {min} and {max}")]
+pub struct WorkloadError {
+    /// Which number.
+    pub name: &'static str,
+    /// Its value.
+    pub value: usize,
+    /// Least allowed.
+    pub min: usize,
+    /// Most allowed.
+    pub max: usize,
+}
+
+/// What was measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Median over the timed iterations.
+    pub seconds_per_iteration: f64,
+    /// Mean seconds an iteration spends in each stage.
+    pub stages: BTreeMap<&'static str, f64>,
+    /// Operations of the same convolutions done directly, forward and gradient, per second: the rate a plain kernel
+    /// would need to keep up.
+    pub effective_gflops: f64,
+    /// Threads in use.
+    pub threads: usize,
+    /// What the run allocates by its own estimate, in MB.
+    pub estimated_mb: f64,
+    /// Loss of the last iteration, so that no one can skip the work.
+    pub loss: f64,
+    /// The workload.
+    pub workload: Workload,
+}
+
+/// Times `workload`; `now` gives seconds on any clock.
+///
+/// # Errors
+/// When a number of the workload is out of range.
+pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, WorkloadError> {
+    let Workload { grid, exemplar_grid, channels, points, iterations } = *workload;
+    for (name, value, min, max) in [
+        ("grid", grid[0].min(grid[1]), 8, 4096),
+        ("grid", grid[0].max(grid[1]), 8, 4096),
+        ("exemplarGrid", exemplar_grid, 8, 4096),
+        ("channels", channels, 1, 512),
+        ("points", points, 1, 20_000),
+        ("iterations", iterations, 1, 100_000),
+    ] {
+        if !(min..=max).contains(&value) {
+            return Err(WorkloadError { name, value, min, max });
+        }
+    }
+    let output_size = DVec2::new(grid[0] as f64, grid[1] as f64) / exemplar_grid as f64;
+    let area = output_size.x * output_size.y;
+    let parameters = Parameters { channels: channels as u32, ..Parameters::preset(Preset::Paper) };
+    let exemplar_points = ((points as f64 / area).round() as usize).max(2);
+    let start = |class, size, count| {
+        poisson_disk(&mut Rng::new(1, Purpose::Start(class)), size, count, Boundary::Open)
+    };
+    // The finest σ of an evenly spread pattern of this density, where the last and longest scales are spent.
+    let spacing = 0.7 * (1.0 / exemplar_points as f64).sqrt();
+    let scale = Scale {
+        sigma: spacing / parameters.sigma_fine_divisor,
+        resolution: exemplar_grid as f64,
+        learning_rate: 0.004,
+        iterations: iterations as u32 + 1,
+    };
+    let setup = ScaleSetup::new(
+        &parameters,
+        &scale,
+        (0, 0),
+        start(1, DVec2::ONE, exemplar_points),
+        DVec2::ONE,
+        Boundary::Open,
+        output_size,
+    );
+    let estimated_mb = CpuEngine::bytes_for(&setup, channels, points) as f64 / 1e6;
+    let network = CpuEngine::network(&setup, channels, None);
+    let mut engine = CpuEngine::new(setup, network, start(0, output_size, points), 0, Adam::new(points), 0);
+
+    let mut stages: BTreeMap<&'static str, f64> = BTreeMap::new();
+    let mut seconds = Vec::with_capacity(iterations);
+    let mut loss = f64::NAN;
+    let (mut warm, mut spent) = (false, 0.0);
+    while seconds.len() < iterations {
+        let stage = engine.stage();
+        let before = now();
+        let advance = engine.advance();
+        let took = now() - before;
+        spent += took;
+        if warm && let Some(stage) = stage {
+            *stages.entry(stage.name()).or_default() += took / iterations as f64;
+        }
+        match advance {
+            Advance::Working => {}
+            Advance::Iterated(terms) => {
+                loss = terms.total();
+                if warm {
+                    seconds.push(spent);
+                }
+                warm = true;
+                spent = 0.0;
+            }
+            Advance::NotFinite => break,
+        }
+    }
+    seconds.sort_by(f64::total_cmp);
+    let median = seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN);
+    Ok(Report {
+        seconds_per_iteration: median,
+        stages,
+        effective_gflops: direct_operations(grid, channels) / median / 1e9,
+        threads: parallel::threads(),
+        estimated_mb,
+        loss,
+        workload: workload.clone(),
+    })
+}
+
+/// Operations of the four convolutions done directly, forward and with respect to the input.
+fn direct_operations(grid: [usize; 2], channels: usize) -> f64 {
+    let (pixels, channels) = ((grid[0] * grid[1]) as f64, channels as f64);
+    let pairs = pixels * channels * (5.0 + channels + channels / 4.0 + channels / 16.0);
+    2.0 * 2.0 * 49.0 * pairs
+}
+
+/// All stage names in their order, for tables.
+#[must_use]
+pub fn stage_names() -> Vec<&'static str> {
+    Stage::ALL.iter().map(|stage| stage.name()).collect()
+}
