@@ -93,9 +93,7 @@ pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, Workloa
     let area = output_size.x * output_size.y;
     let parameters = Parameters { channels: channels as u32, ..Parameters::preset(Preset::Paper) };
     let exemplar_points = ((points as f64 / area).round() as usize).max(2);
-    let start = |class, size, count| {
-        poisson_disk(&mut Rng::new(1, Purpose::Start(class)), size, count, Boundary::Open)
-    };
+    let start = |class, size, count| poisson_disk(&mut Rng::new(1, Purpose::Start(class)), size, count, Boundary::Open);
     // The finest σ of an evenly spread pattern of this density, where the last and longest scales are spent.
     let spacing = 0.7 * (1.0 / exemplar_points as f64).sqrt();
     let scale = Scale {

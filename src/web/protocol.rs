@@ -122,7 +122,7 @@ pub enum Response {
         /// The points as they are now.
         output: PatternView,
         /// All parameters of the run.
-        parameters: Parameters,
+        parameters: Box<Parameters>,
         /// Where the run stands.
         progress: Progress,
     },

@@ -148,7 +148,7 @@ impl Session {
         let response = Response::Started {
             exemplar: view(exemplar),
             output: view_in_units(&synthesis.output()?, unit),
-            parameters: synthesis.parameters().clone(),
+            parameters: Box::new(synthesis.parameters().clone()),
             progress: synthesis.progress(),
         };
         self.run = Some(Run::new(synthesis, unit));
@@ -157,8 +157,8 @@ impl Session {
 
     fn advance(&mut self, budget_ms: f64, max_iterations: u32, now_ms: &dyn Fn() -> f64) -> Result<Response, Refusal> {
         let run = self.run.as_mut().ok_or(Refusal::NoRun)?;
-        // `min` first: it also turns NaN into the longest budget.
-        let budget_ms = budget_ms.min(LONGEST_BUDGET_MS).max(0.0);
+        // NaN counts as no budget.
+        let budget_ms = if budget_ms > 0.0 { budget_ms.min(LONGEST_BUDGET_MS) } else { 0.0 };
         let start = now_ms();
         let mut before = start;
         let mut events = Vec::new();

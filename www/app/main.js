@@ -342,7 +342,7 @@ function showDescription({ engine, presets, ranges, version }) {
       element('presets').append(label);
     }
   }
-  element('hint-preset').textContent = presets.map(({ title, meaning }) => `${title}: ${meaning}`).join(' ');
+  element('hint-preset').textContent = presets.map(({ title, meaning }) => `${title}: ${meaning}`).join('\n');
   for (const { name, meaning } of ranges) {
     const hint = document.getElementById(`hint-${name}`);
     if (hint) hint.textContent = meaning;

@@ -22,6 +22,8 @@ export class Stage {
   #exemplarCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('exemplar-canvas'));
   #outputCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('output-canvas'));
   #colours = readColours();
+  /** Where the page is as high as the window, the figures must fit into what is left of it; see the style sheet. */
+  #fits = matchMedia('(min-width: 1120px)');
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
   /** @type {PatternView | null} */
   #exemplar = null;
@@ -94,7 +96,8 @@ export class Stage {
       scale = free / (exemplarWidth + outputWidth);
       if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free - CAPTION_WIDTH) / outputWidth;
       const head = 30;
-      scale = Math.min(scale, (Math.max(height, 300) - head - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight));
+      const room = this.#fits.matches ? Math.max(height, 300) : 0.8 * window.innerHeight;
+      scale = Math.min(scale, (room - head - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight));
     }
     this.#scale = Math.max(scale, 8);
     const captionWidth = Math.max(this.#scale * exemplarWidth + 2 * MARGIN, CAPTION_WIDTH);
