@@ -18,7 +18,7 @@
 //! | [`method`] | the paper as data both engines share: parameters, presets, scale ladder, filter bank |
 //! | [`engine`] | points → statistics → gradient → points |
 //! | [`synthesis`] | the run as a state machine: classes × scales × iterations |
-//! | `web` | what the worker of the page calls (wasm only) |
+//! | [`web`] | what the worker of the page calls |
 
 pub mod bench;
 pub mod domain;
@@ -29,7 +29,6 @@ pub mod method;
 pub mod pattern;
 pub mod sampling;
 pub mod synthesis;
-#[cfg(target_arch = "wasm32")]
 pub mod web;
 
 pub use domain::{Boundary, Domain};

@@ -199,6 +199,23 @@ const fn whole(name: &'static str, min: f64, max: f64, meaning: &'static str) ->
     Range { name, min, max, whole: true, meaning }
 }
 
+impl Range {
+    /// Checks one number.
+    ///
+    /// # Errors
+    /// When it lies outside the range (NaN does) or should be whole and is not.
+    pub fn check(&self, value: f64) -> Result<(), ParameterError> {
+        // Written so that NaN is refused too.
+        if !(value >= self.min && value <= self.max) {
+            return Err(ParameterError::Range { name: self.name, value, min: self.min, max: self.max });
+        }
+        if self.whole && value.fract() != 0.0 {
+            return Err(ParameterError::NotWhole { name: self.name, value });
+        }
+        Ok(())
+    }
+}
+
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
     pub const RANGES: [Range; 22] = [
@@ -336,13 +353,7 @@ impl Parameters {
     /// The first offence, with the parameter's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
         for (range, value) in Self::RANGES.iter().zip(self.numbers()) {
-            // Written so that NaN is refused too.
-            if !(value >= range.min && value <= range.max) {
-                return Err(ParameterError::Range { name: range.name, value, min: range.min, max: range.max });
-            }
-            if range.whole && value.fract() != 0.0 {
-                return Err(ParameterError::NotWhole { name: range.name, value });
-            }
+            range.check(value)?;
         }
         let at_least = |name, value: f64, other, bound: f64| {
             if value < bound { Err(ParameterError::Order { name, value, other, bound }) } else { Ok(()) }

@@ -1,0 +1,47 @@
+//! JavaScript values ⇄ messages.
+
+use serde::Serialize;
+use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
+
+use super::protocol::Response;
+use super::session::Session;
+
+#[wasm_bindgen]
+extern "C" {
+    /// `performance.now()`, which workers have too.
+    #[wasm_bindgen(js_namespace = performance)]
+    fn now() -> f64;
+}
+
+/// The session of one worker.
+#[derive(Debug)]
+#[wasm_bindgen]
+pub struct WorkerSession(Session);
+
+#[wasm_bindgen]
+impl WorkerSession {
+    /// A session without a run. A panic will be written to the console before it becomes a trap.
+    #[wasm_bindgen(constructor)]
+    #[expect(clippy::new_without_default, reason = "JavaScript calls the constructor")]
+    pub fn new() -> Self {
+        console_error_panic_hook::set_once();
+        Self(Session::new())
+    }
+
+    /// Answers one request. Requests and responses are plain objects, see `www/app/messages.js`.
+    pub fn handle(&mut self, request: JsValue) -> JsValue {
+        let response = match serde_wasm_bindgen::from_value(request) {
+            Ok(request) => self.0.handle(request, &now),
+            Err(error) => {
+                Response::Error { message: format!("the worker does not understand the page: {error}"), place: None }
+            }
+        };
+        to_js(&response)
+    }
+}
+
+fn to_js(response: &Response) -> JsValue {
+    let serializer =
+        serde_wasm_bindgen::Serializer::new().serialize_maps_as_objects(true).serialize_missing_as_null(true);
+    response.serialize(&serializer).unwrap_or_else(|error| error.into())
+}

@@ -1,0 +1,348 @@
+//! The messages between the page and its worker.
+//!
+//! The page pulls: it sends a [`Request`] and waits for the one [`Response`] to it. A run moves only while the page
+//! asks for [`Request::Run`], so pause, cancel and back-pressure need no flags.
+//!
+//! Coordinates in messages are in exemplar units from the lower corner of their domain, as 32-bit floats `x, y, x, y,
+//! …`: they are for drawing. Exact coordinates leave through [`Request::Export`].
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use crate::domain::Boundary;
+use crate::method::Parameters;
+use crate::synthesis::{Event, Progress};
+
+/// What the page asks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case", rename_all_fields = "camelCase")]
+pub enum Request {
+    /// What this build can do: presets, ranges, engine. Answered by [`Response::Description`].
+    Describe,
+    /// The built-in exemplars. Answered by [`Response::Gallery`].
+    Gallery,
+    /// Reads an exemplar without starting anything. Answered by [`Response::Opened`].
+    Open {
+        /// Where it comes from.
+        exemplar: Source,
+    },
+    /// Prepares a run and replaces the one before; if it is refused, the one before stays. Answered by
+    /// [`Response::Started`].
+    Start {
+        /// What to learn from.
+        exemplar: Source,
+        /// Name of a preset.
+        preset: String,
+        /// Parameters that differ from the preset, under their names in files and links.
+        #[serde(default)]
+        overrides: Map<String, Value>,
+    },
+    /// Works on the run until the time is up, enough iterations are complete or everything is done, whichever comes
+    /// first. Answered by [`Response::Batch`].
+    Run {
+        /// How long to work, in milliseconds. One piece of work is never cut short, so it may take a little longer.
+        budget_ms: f64,
+        /// How many iterations to complete at most; 1 is a single step.
+        max_iterations: u32,
+    },
+    /// The output as a file. Answered by [`Response::Exported`].
+    Export {
+        /// Which kind of file.
+        format: ExportFormat,
+    },
+    /// Everything needed to continue later. Answered by [`Response::Saved`].
+    Save,
+    /// Continues from a saved state. Answered by [`Response::Started`].
+    Resume {
+        /// What [`Response::Saved`] held.
+        state: String,
+    },
+}
+
+/// Where an exemplar comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "source", rename_all = "kebab-case", rename_all_fields = "camelCase")]
+pub enum Source {
+    /// A built-in exemplar.
+    Gallery {
+        /// Its name.
+        name: String,
+    },
+    /// A file the person opened.
+    File {
+        /// Its name; the extension helps to tell formats apart.
+        name: String,
+        /// What is in it.
+        #[serde(with = "serde_bytes")]
+        bytes: Vec<u8>,
+    },
+}
+
+/// Kinds of file the output can be taken away as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ExportFormat {
+    /// One line a point.
+    Csv,
+    /// A picture.
+    Svg,
+    /// Everything, lossless.
+    Json,
+}
+
+/// What the worker answers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "type", rename_all = "kebab-case", rename_all_fields = "camelCase")]
+pub enum Response {
+    /// What this build can do.
+    Description {
+        /// Version of the crate.
+        version: String,
+        /// What computes.
+        engine: EngineView,
+        /// Quickest first.
+        presets: Vec<PresetView>,
+        /// Range and meaning of every numeric parameter.
+        ranges: Vec<RangeView>,
+    },
+    /// The built-in exemplars, in the order they are shown.
+    Gallery {
+        /// One entry an exemplar.
+        entries: Vec<GalleryEntryView>,
+    },
+    /// An exemplar was read.
+    Opened {
+        /// What it holds.
+        exemplar: PatternView,
+    },
+    /// A run is ready; nothing has moved yet.
+    Started {
+        /// What it learns from.
+        exemplar: PatternView,
+        /// The points as they are now.
+        output: PatternView,
+        /// All parameters of the run.
+        parameters: Box<Parameters>,
+        /// Where the run stands.
+        progress: Progress,
+    },
+    /// What happened since the last batch.
+    Batch {
+        /// Everything but [`Event::Working`], oldest first.
+        events: Vec<Event>,
+        /// Where the run stands.
+        progress: Progress,
+        /// The points, if they moved.
+        points: Option<Points>,
+        /// Iterations a second of work, on this scale, smoothed.
+        iterations_per_second: Option<f64>,
+        /// Seconds of work left if no scale stops early.
+        seconds_left: Option<f64>,
+        /// Whether there is nothing left to do.
+        finished: bool,
+    },
+    /// The output as a file.
+    Exported {
+        /// Which kind of file.
+        format: ExportFormat,
+        /// What is in it.
+        text: String,
+        /// How many points it holds.
+        points: usize,
+    },
+    /// Everything needed to continue later.
+    Saved {
+        /// For [`Request::Resume`].
+        state: String,
+        /// Where the run stood.
+        progress: Progress,
+    },
+    /// The request was refused; everything is as it was before.
+    Error {
+        /// One sentence for a person.
+        message: String,
+        /// Where in the file, when it is about a file.
+        place: Option<Place>,
+    },
+}
+
+/// What computes.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct EngineView {
+    /// `CPU`.
+    pub name: String,
+    /// Whether this build uses 128-bit SIMD.
+    pub simd: bool,
+    /// How many threads it works with.
+    pub threads: usize,
+}
+
+/// A preset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct PresetView {
+    /// Its name in files, links and requests.
+    pub name: String,
+    /// What the button says.
+    pub title: String,
+    /// One sentence on what to expect.
+    pub meaning: String,
+    /// The numbers behind it.
+    pub parameters: Parameters,
+}
+
+/// A numeric parameter's name, range and meaning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct RangeView {
+    /// Its name in files, links and requests.
+    pub name: String,
+    /// Smallest allowed value.
+    pub min: f64,
+    /// Largest allowed value.
+    pub max: f64,
+    /// Whether it must be a whole number.
+    pub whole: bool,
+    /// One sentence on what it does.
+    pub meaning: String,
+}
+
+/// A built-in exemplar.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct GalleryEntryView {
+    /// Its name in requests.
+    pub name: String,
+    /// What the page calls it.
+    pub title: String,
+    /// One line on what it teaches.
+    pub caption: String,
+    /// Its points.
+    pub pattern: PatternView,
+}
+
+/// A pattern as the page draws it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct PatternView {
+    /// Its points.
+    pub points: Points,
+    /// Names of the classes.
+    pub class_names: Vec<String>,
+    /// Width and height in exemplar units.
+    pub size: [f64; 2],
+    /// Lower corner in the pattern's own unit.
+    pub min: [f64; 2],
+    /// Length of an exemplar unit in the pattern's own unit.
+    pub unit: f64,
+    /// Whether it is a window or a tile.
+    pub boundary: Boundary,
+    /// Mean distance to the nearest neighbour in exemplar units, when there is one.
+    pub spacing: Option<f64>,
+}
+
+/// Where points are and what they are.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Points {
+    /// `x, y, x, y, …` in exemplar units; a `Float32Array` on the page.
+    #[serde(with = "typed_array::floats")]
+    pub positions: Vec<f32>,
+    /// Class of every point; a `Uint16Array` on the page.
+    #[serde(with = "typed_array::words")]
+    pub classes: Vec<u16>,
+}
+
+/// A place in a file, both counted from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Place {
+    /// The line.
+    pub line: u64,
+    /// The column, when one is known.
+    pub column: Option<u64>,
+}
+
+/// Lists of numbers that become typed arrays on the page: a plain array would cost one call a number.
+mod typed_array {
+    macro_rules! typed {
+        ($module:ident, $number:ty, $array:ident) => {
+            pub(super) mod $module {
+                use serde::{Deserialize, Deserializer, Serializer};
+
+                #[cfg(target_arch = "wasm32")]
+                pub(crate) fn serialize<S: Serializer>(list: &[$number], serializer: S) -> Result<S::Ok, S::Error> {
+                    serde_wasm_bindgen::preserve::serialize(&js_sys::$array::from(list), serializer)
+                }
+
+                #[cfg(not(target_arch = "wasm32"))]
+                pub(crate) fn serialize<S: Serializer>(list: &[$number], serializer: S) -> Result<S::Ok, S::Error> {
+                    serializer.collect_seq(list)
+                }
+
+                pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
+                    deserializer: D,
+                ) -> Result<Vec<$number>, D::Error> {
+                    Vec::deserialize(deserializer)
+                }
+            }
+        };
+    }
+    typed!(floats, f32, Float32Array);
+    typed!(words, u16, Uint16Array);
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop at the first surprise")]
+
+    use serde::de::DeserializeOwned;
+    use serde_json::json;
+
+    use super::*;
+
+    /// serde lists every tag of a union when it meets one that is not there: a list that can't go stale.
+    fn tags<T: DeserializeOwned>() -> Vec<String> {
+        let Err(error) = serde_json::from_value::<T>(json!({ "type": "?" })) else { panic!("'?' is a tag") };
+        let message = error.to_string();
+        message.split('`').skip(3).step_by(2).map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn the_page_knows_every_message() {
+        let typedefs = include_str!("../../www/app/messages.js");
+        let (requests, responses) = (tags::<Request>(), tags::<Response>());
+        assert!(requests.contains(&"describe".to_owned()) && requests.contains(&"resume".to_owned()), "{requests:?}");
+        assert!(responses.contains(&"batch".to_owned()) && responses.contains(&"error".to_owned()), "{responses:?}");
+        for tag in requests.iter().chain(&responses) {
+            assert!(typedefs.contains(&format!("type: '{tag}'")), "no typedef for the message '{tag}'");
+        }
+        let known = requests.len() + responses.len();
+        assert_eq!(typedefs.matches("@property").count(), 0, "write members inline, the test reads them there");
+        let events = tags::<Event>().len() - 1; // The page never sees `working`.
+        assert_eq!(typedefs.matches("type: '").count(), known + events, "a typedef for a message that does not exist");
+    }
+
+    #[test]
+    fn fields_are_camel_case_and_tags_kebab_case() {
+        let request: Request =
+            serde_json::from_value(json!({ "type": "run", "budgetMs": 40, "maxIterations": 1 })).unwrap();
+        assert_eq!(request, Request::Run { budget_ms: 40.0, max_iterations: 1 });
+        let request: Request = serde_json::from_value(json!({
+            "type": "start", "exemplar": { "source": "gallery", "name": "rings" }, "preset": "fast",
+        }))
+        .unwrap();
+        let Request::Start { overrides, .. } = request else { panic!("not a start") };
+        assert!(overrides.is_empty());
+        let place = Some(Place { line: 3, column: None });
+        let response = serde_json::to_value(Response::Error { message: "no".to_owned(), place }).unwrap();
+        assert_eq!(response, json!({ "type": "error", "message": "no", "place": { "line": 3, "column": null } }));
+    }
+
+    #[test]
+    fn an_unknown_request_is_refused() {
+        assert!(serde_json::from_value::<Request>(json!({ "type": "format-disk" })).is_err());
+        assert!(serde_json::from_value::<Request>(json!({ "type": "run" })).is_err());
+    }
+}

@@ -1,0 +1,533 @@
+//! What a request does. No browser in sight: the clock comes in as a function.
+
+use serde_json::{Map, Value};
+use thiserror::Error;
+
+use crate::PointPattern;
+use crate::formats::{self, FormatError, ReadOptions, SvgStyle};
+use crate::gallery;
+use crate::method::{ParameterError, Parameters, Preset};
+use crate::synthesis::{Event, Progress, Synthesis, SynthesisError, SynthesisState};
+
+use super::protocol::{
+    EngineView, ExportFormat, GalleryEntryView, PatternView, Place, Points, PresetView, RangeView, Request, Response,
+    Source,
+};
+
+/// Memory a run may take, in bytes. A 32-bit address space ends at 4 GB, a phone's patience well before.
+const MEMORY_LIMIT: u64 = 1_500_000_000;
+
+/// One batch works at most this long, in milliseconds, whatever the page asks: a save or a pause must get through.
+const LONGEST_BUDGET_MS: f64 = 1000.0;
+
+/// How much of the newest iteration goes into the smoothed speed.
+const SPEED_SMOOTHING: f64 = 0.15;
+
+/// Why a request was refused.
+#[derive(Debug, Error)]
+enum Refusal {
+    #[error("{file}: {error}")]
+    File { file: String, error: FormatError },
+    #[error("there is no exemplar named {0:?} in the gallery")]
+    UnknownExemplar(String),
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    #[error("the parameters can't be used: {0}")]
+    Overrides(serde_json::Error),
+    #[error(transparent)]
+    Synthesis(#[from] SynthesisError),
+    #[error("the saved state can't be read: {0}")]
+    State(serde_json::Error),
+    #[error("the state can't be saved: {0}")]
+    Save(serde_json::Error),
+    #[error("no run has been started yet")]
+    NoRun,
+}
+
+impl Refusal {
+    fn place(&self) -> Option<Place> {
+        match self {
+            Self::File { error, .. } => place_of(error),
+            _ => None,
+        }
+    }
+}
+
+/// A run and the speed it goes at.
+#[derive(Debug)]
+struct Run {
+    synthesis: Synthesis,
+    /// Length of an exemplar unit in the exemplar's own unit.
+    unit: f64,
+    /// Work since the last complete iteration, in milliseconds.
+    pending_ms: f64,
+    /// Milliseconds of work an iteration on this scale, smoothed.
+    ms_per_iteration: Option<f64>,
+    /// Milliseconds of work the whole run would take at the present speed, smoothed.
+    ms_per_run: Option<f64>,
+    /// [`Progress::done`] at the last complete iteration.
+    done: f64,
+    finished: bool,
+}
+
+fn smooth(old: Option<f64>, new: f64) -> Option<f64> {
+    Some(old.map_or(new, |old| old + SPEED_SMOOTHING * (new - old)))
+}
+
+impl Run {
+    fn new(synthesis: Synthesis, unit: f64) -> Self {
+        let done = synthesis.progress().done;
+        Self { synthesis, unit, pending_ms: 0.0, ms_per_iteration: None, ms_per_run: None, done, finished: false }
+    }
+
+    fn clock(&mut self, event: &Event) {
+        match event {
+            Event::Iterated { progress, .. } => {
+                self.ms_per_iteration = smooth(self.ms_per_iteration, self.pending_ms);
+                if progress.done > self.done {
+                    self.ms_per_run = smooth(self.ms_per_run, self.pending_ms / (progress.done - self.done));
+                }
+                self.done = progress.done;
+                self.pending_ms = 0.0;
+            }
+            // Another grid has another speed, and setting it up belongs to no iteration.
+            Event::ScaleStarted { progress, .. } => {
+                self.ms_per_iteration = None;
+                self.done = progress.done;
+                self.pending_ms = 0.0;
+            }
+            // A scale that converges early jumps ahead without work.
+            Event::ScaleFinished { progress, .. } => self.done = progress.done,
+            Event::Working | Event::Finished => {}
+        }
+    }
+}
+
+/// What one worker holds: at most one run.
+#[derive(Debug, Default)]
+pub struct Session {
+    run: Option<Run>,
+}
+
+impl Session {
+    /// A session without a run.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Answers one request. `now_ms` is a clock that never runs backwards, in milliseconds.
+    pub fn handle(&mut self, request: Request, now_ms: &dyn Fn() -> f64) -> Response {
+        let response = match request {
+            Request::Describe => Ok(describe()),
+            Request::Gallery => Ok(list_gallery()),
+            Request::Open { exemplar } => read(exemplar).map(|exemplar| Response::Opened { exemplar: view(&exemplar) }),
+            Request::Start { exemplar, preset, overrides } => self.start(exemplar, &preset, overrides),
+            Request::Run { budget_ms, max_iterations } => self.advance(budget_ms, max_iterations, now_ms),
+            Request::Export { format } => self.export(format),
+            Request::Save => self.save(),
+            Request::Resume { state } => self.resume(&state),
+        };
+        response.unwrap_or_else(|refusal| Response::Error { message: refusal.to_string(), place: refusal.place() })
+    }
+
+    fn start(&mut self, exemplar: Source, preset: &str, overrides: Map<String, Value>) -> Result<Response, Refusal> {
+        let parameters = parameters(preset, overrides)?;
+        let synthesis = Synthesis::new(read(exemplar)?, parameters, MEMORY_LIMIT)?;
+        self.adopt(synthesis)
+    }
+
+    fn resume(&mut self, state: &str) -> Result<Response, Refusal> {
+        let state: SynthesisState = serde_json::from_str(state).map_err(Refusal::State)?;
+        self.adopt(Synthesis::resume(state, MEMORY_LIMIT)?)
+    }
+
+    fn adopt(&mut self, synthesis: Synthesis) -> Result<Response, Refusal> {
+        let exemplar = synthesis.exemplar();
+        let unit = exemplar.domain().exemplar_unit();
+        let response = Response::Started {
+            exemplar: view(exemplar),
+            output: view_in_units(&synthesis.output()?, unit),
+            parameters: Box::new(synthesis.parameters().clone()),
+            progress: synthesis.progress(),
+        };
+        self.run = Some(Run::new(synthesis, unit));
+        Ok(response)
+    }
+
+    fn advance(&mut self, budget_ms: f64, max_iterations: u32, now_ms: &dyn Fn() -> f64) -> Result<Response, Refusal> {
+        let run = self.run.as_mut().ok_or(Refusal::NoRun)?;
+        // NaN counts as no budget.
+        let budget_ms = if budget_ms > 0.0 { budget_ms.min(LONGEST_BUDGET_MS) } else { 0.0 };
+        let start = now_ms();
+        let mut before = start;
+        let mut events = Vec::new();
+        let mut iterations = 0;
+        while !run.finished {
+            let event = run.synthesis.advance()?;
+            let after = now_ms();
+            run.pending_ms += after - before;
+            before = after;
+            run.clock(&event);
+            match event {
+                Event::Iterated { .. } => iterations += 1,
+                Event::Finished => run.finished = true,
+                _ => {}
+            }
+            if event != Event::Working {
+                events.push(event);
+            }
+            if iterations >= max_iterations.max(1) || after - start >= budget_ms {
+                break;
+            }
+        }
+        let progress: Progress = run.synthesis.progress();
+        let moved = iterations > 0 || run.finished;
+        let points = if moved { Some(points(&run.synthesis.output()?, run.unit)) } else { None };
+        Ok(Response::Batch {
+            events,
+            progress,
+            points,
+            iterations_per_second: run.ms_per_iteration.filter(|&ms| ms > 0.0).map(|ms| 1000.0 / ms),
+            seconds_left: run.ms_per_run.map(|ms| ms * (1.0 - progress.done).max(0.0) / 1000.0),
+            finished: run.finished,
+        })
+    }
+
+    fn export(&self, format: ExportFormat) -> Result<Response, Refusal> {
+        let output = self.run.as_ref().ok_or(Refusal::NoRun)?.synthesis.output()?;
+        let text = match format {
+            ExportFormat::Csv => formats::write_csv(&output),
+            ExportFormat::Svg => formats::write_svg(&output, &SvgStyle::default()),
+            ExportFormat::Json => formats::write_json(&output),
+        };
+        Ok(Response::Exported { format, text, points: output.len() })
+    }
+
+    fn save(&self) -> Result<Response, Refusal> {
+        let synthesis = &self.run.as_ref().ok_or(Refusal::NoRun)?.synthesis;
+        let state = serde_json::to_string(&synthesis.state()).map_err(Refusal::Save)?;
+        Ok(Response::Saved { state, progress: synthesis.progress() })
+    }
+}
+
+fn read(source: Source) -> Result<PointPattern, Refusal> {
+    match source {
+        Source::Gallery { name } => {
+            gallery::find(&name).map(gallery::Entry::exemplar).ok_or(Refusal::UnknownExemplar(name))
+        }
+        Source::File { name, bytes } => formats::read(&bytes, Some(&name), &ReadOptions::default())
+            .map_err(|error| Refusal::File { file: name, error }),
+    }
+}
+
+fn place_of(error: &FormatError) -> Option<Place> {
+    let (line, column) = match *error {
+        FormatError::TooMany { place: formats::Place::Line { line, column }, .. }
+        | FormatError::Value { place: formats::Place::Line { line, column }, .. }
+        | FormatError::Outside { place: formats::Place::Line { line, column }, .. }
+        | FormatError::Columns { place: formats::Place::Line { line, column }, .. }
+        | FormatError::DuplicateColumn { place: formats::Place::Line { line, column }, .. } => (line, Some(column)),
+        FormatError::Syntax { line, column, .. } if line > 0 => (line, Some(column)),
+        FormatError::NotUtf8 { line, .. }
+        | FormatError::LongLine { line, .. }
+        | FormatError::MissingColumn { line, .. }
+        | FormatError::Declaration { line, .. } => (line, None),
+        _ => return None,
+    };
+    Some(Place { line: line as u64, column: column.map(|column| column as u64) })
+}
+
+/// The preset's parameters with some replaced. Numbers are checked before they take their type, so that a negative
+/// or broken one is answered with its range.
+fn parameters(preset: &str, overrides: Map<String, Value>) -> Result<Parameters, Refusal> {
+    for range in &Parameters::RANGES {
+        if let Some(value) = overrides.get(range.name).and_then(Value::as_f64) {
+            range.check(value)?;
+        }
+    }
+    let preset = Parameters::preset(Preset::from_name(preset)?);
+    let mut merged = match serde_json::to_value(preset).map_err(Refusal::Overrides)? {
+        Value::Object(map) => map,
+        _ => Map::new(),
+    };
+    merged.extend(overrides.into_iter().map(|(name, value)| (name, whole(value))));
+    serde_json::from_value(Value::Object(merged)).map_err(Refusal::Overrides)
+}
+
+/// JavaScript has one kind of number: 4.0 is a whole number too.
+fn whole(value: Value) -> Value {
+    match value.as_f64() {
+        Some(number) if value.is_f64() && number.fract() == 0.0 && number.abs() <= 9_007_199_254_740_991.0 => {
+            Value::from(number as i64)
+        }
+        _ => value,
+    }
+}
+
+fn describe() -> Response {
+    let presets = Preset::ALL
+        .into_iter()
+        .map(|preset| {
+            let (title, meaning) = match preset {
+                Preset::Fast => ("Fast", "Seconds: few filters, a grid just fine enough."),
+                Preset::Balanced => ("Balanced", "A minute or more: twice the filters, a finer grid, more iterations."),
+                Preset::Paper => ("Paper", "The numbers of Huang et al. 2022. Takes long in a browser."),
+            };
+            PresetView {
+                name: preset.name().to_owned(),
+                title: title.to_owned(),
+                meaning: meaning.to_owned(),
+                parameters: Parameters::preset(preset),
+            }
+        })
+        .collect();
+    let ranges = Parameters::RANGES
+        .iter()
+        .map(|range| RangeView {
+            name: range.name.to_owned(),
+            min: range.min,
+            max: range.max,
+            whole: range.whole,
+            meaning: range.meaning.to_owned(),
+        })
+        .collect();
+    let engine = EngineView {
+        name: "CPU".to_owned(),
+        simd: cfg!(any(not(target_arch = "wasm32"), target_feature = "simd128")),
+        threads: 1,
+    };
+    Response::Description { version: env!("CARGO_PKG_VERSION").to_owned(), engine, presets, ranges }
+}
+
+fn list_gallery() -> Response {
+    let entries = gallery::entries()
+        .iter()
+        .map(|entry| GalleryEntryView {
+            name: entry.name.to_owned(),
+            title: entry.title.to_owned(),
+            caption: entry.caption.to_owned(),
+            pattern: view(&entry.exemplar()),
+        })
+        .collect();
+    Response::Gallery { entries }
+}
+
+fn view(pattern: &PointPattern) -> PatternView {
+    view_in_units(pattern, pattern.domain().exemplar_unit())
+}
+
+/// An output is measured in its exemplar's unit, not in its own.
+fn view_in_units(pattern: &PointPattern, unit: f64) -> PatternView {
+    let domain = pattern.domain();
+    let own_unit = domain.exemplar_unit();
+    PatternView {
+        points: points(pattern, unit),
+        class_names: pattern.class_names().to_vec(),
+        size: (domain.size() / unit).into(),
+        min: domain.min().into(),
+        unit,
+        boundary: pattern.boundary(),
+        spacing: pattern.mean_spacing().map(|spacing| spacing * own_unit / unit),
+    }
+}
+
+fn points(pattern: &PointPattern, unit: f64) -> Points {
+    let min = pattern.domain().min();
+    let positions = pattern.positions().iter().flat_map(|&point| ((point - min) / unit).as_vec2().to_array()).collect();
+    Points { positions, classes: pattern.classes().to_vec() }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop at the first surprise")]
+
+    use std::cell::Cell;
+
+    use serde_json::json;
+
+    use super::*;
+
+    /// Answers through JSON both ways, as the page would see it, with a clock that ticks 1 ms a look.
+    fn ask(session: &mut Session, request: Value) -> Value {
+        let clock = Cell::new(0.0);
+        let now = || {
+            clock.set(clock.get() + 1.0);
+            clock.get()
+        };
+        let response = session.handle(serde_json::from_value(request).unwrap(), &now);
+        serde_json::to_value(response).unwrap()
+    }
+
+    fn tiny(seed: u64) -> Value {
+        json!({
+            "type": "start",
+            "exemplar": { "source": "gallery", "name": "rings" },
+            "preset": "fast",
+            "overrides": {
+                "expansion-x": 1.0, "expansion-y": 1.5, "channels": 4.0, "grid-min": 16, "grid-max": 16,
+                "iterations-coarse": 3, "iterations-fine": 2, "convergence-window": 5000, "seed": seed,
+            },
+        })
+    }
+
+    fn run(session: &mut Session, iterations: u32) -> Value {
+        ask(session, json!({ "type": "run", "budgetMs": 1e9, "maxIterations": iterations }))
+    }
+
+    fn iterated(batch: &Value) -> usize {
+        batch["events"].as_array().unwrap().iter().filter(|event| event["type"] == "iterated").count()
+    }
+
+    #[test]
+    fn the_gallery_is_complete_and_inside_its_squares() {
+        let mut session = Session::new();
+        let answer = ask(&mut session, json!({ "type": "gallery" }));
+        let entries = answer["entries"].as_array().unwrap();
+        assert_eq!(entries.len(), gallery::entries().len());
+        for entry in entries {
+            let points = &entry["pattern"]["points"];
+            let (positions, classes) = (points["positions"].as_array().unwrap(), points["classes"].as_array().unwrap());
+            assert_eq!(positions.len(), 2 * classes.len());
+            assert!(positions.iter().all(|value| (0.0..=1.0).contains(&value.as_f64().unwrap())), "{entry}");
+        }
+    }
+
+    #[test]
+    fn the_description_covers_every_preset_and_range() {
+        let answer = ask(&mut Session::new(), json!({ "type": "describe" }));
+        assert_eq!(answer["presets"].as_array().unwrap().len(), Preset::ALL.len());
+        assert_eq!(answer["ranges"].as_array().unwrap().len(), Parameters::RANGES.len());
+        assert_eq!(answer["presets"][0]["parameters"]["channels"], json!(Parameters::preset(Preset::Fast).channels));
+        assert_eq!(answer["engine"], json!({ "name": "CPU", "simd": true, "threads": 1 }));
+    }
+
+    #[test]
+    fn a_run_goes_from_start_to_finish() {
+        let mut session = Session::new();
+        let started = ask(&mut session, tiny(1));
+        assert_eq!(started["type"], "started", "{started}");
+        let count = started["exemplar"]["points"]["classes"].as_array().unwrap().len();
+        let expected = (count as f64 * 1.5).round() as usize;
+        assert_eq!(started["output"]["points"]["classes"].as_array().unwrap().len(), expected);
+        assert_eq!(started["output"]["size"], json!([1.0, 1.5]));
+        assert_eq!(started["parameters"]["channels"], json!(4));
+
+        let step = run(&mut session, 1);
+        assert_eq!((step["type"].as_str(), iterated(&step)), (Some("batch"), 1), "{step}");
+        assert_eq!(step["progress"]["totalIterations"], json!(1));
+        assert!(step["iterationsPerSecond"].as_f64().unwrap() > 0.0);
+        assert_ne!(step["points"]["positions"], started["output"]["points"]["positions"]);
+
+        let rest = run(&mut session, u32::MAX);
+        assert_eq!(rest["finished"], json!(true));
+        assert_eq!(iterated(&rest), 3 + 3 * 2 - 1);
+        assert_eq!(rest["secondsLeft"], json!(0.0));
+        let over = run(&mut session, u32::MAX);
+        assert_eq!((iterated(&over), &over["finished"]), (0, &json!(true)));
+
+        let csv = ask(&mut session, json!({ "type": "export", "format": "csv" }));
+        assert_eq!(csv["points"], json!(expected));
+        let options = ReadOptions::default();
+        let read = formats::read(csv["text"].as_str().unwrap().as_bytes(), Some("a.csv"), &options).unwrap();
+        assert_eq!(read.len(), expected);
+        let svg = ask(&mut session, json!({ "type": "export", "format": "svg" }));
+        assert_eq!(svg["text"].as_str().unwrap().matches("<circle").count(), expected);
+        let json = ask(&mut session, json!({ "type": "export", "format": "json" }));
+        assert_eq!(formats::read(json["text"].as_str().unwrap().as_bytes(), None, &options).unwrap(), read);
+    }
+
+    #[test]
+    fn a_budget_ends_a_batch_before_its_iterations() {
+        let mut session = Session::new();
+        ask(&mut session, tiny(1));
+        let batch = ask(&mut session, json!({ "type": "run", "budgetMs": 0, "maxIterations": 1000 }));
+        assert_eq!(batch["finished"], json!(false));
+        assert!(batch["events"].as_array().unwrap().len() <= 1, "one piece of work is one event at most: {batch}");
+    }
+
+    #[test]
+    fn a_saved_run_continues_to_the_same_points() {
+        let (mut whole, mut parted) = (Session::new(), Session::new());
+        ask(&mut whole, tiny(5));
+        ask(&mut parted, tiny(5));
+        run(&mut parted, 2);
+        let saved = ask(&mut parted, json!({ "type": "save" }));
+        assert_eq!(saved["progress"]["totalIterations"], json!(2));
+        let mut second = Session::new();
+        let resumed = ask(&mut second, json!({ "type": "resume", "state": saved["state"] }));
+        assert_eq!((&resumed["type"], &resumed["progress"]["totalIterations"]), (&json!("started"), &json!(2)));
+        run(&mut second, 3);
+        run(&mut whole, 5);
+        let csv = json!({ "type": "export", "format": "csv" });
+        assert_eq!(ask(&mut second, csv.clone()), ask(&mut whole, csv.clone()));
+        ask(&mut parted, tiny(6));
+        run(&mut parted, 5);
+        assert_ne!(ask(&mut parted, csv.clone()), ask(&mut whole, csv));
+    }
+
+    #[test]
+    fn refusals_say_why_and_leave_the_run_alone() {
+        let mut session = Session::new();
+        let refused = |answer: &Value, part: &str| {
+            assert_eq!(answer["type"], "error", "{answer}");
+            assert!(answer["message"].as_str().unwrap().contains(part), "{answer}");
+        };
+        for request in [
+            json!({ "type": "run", "budgetMs": 1, "maxIterations": 1 }),
+            json!({ "type": "save" }),
+            json!({ "type": "export", "format": "csv" }),
+        ] {
+            refused(&ask(&mut session, request), "no run");
+        }
+        ask(&mut session, tiny(1));
+        run(&mut session, 1);
+        let start = |exemplar: Value, preset: &str, overrides: Value| json!({ "type": "start", "exemplar": exemplar, "preset": preset, "overrides": overrides });
+        let rings = || json!({ "source": "gallery", "name": "rings" });
+        let nothing = || json!({});
+        let cases = [
+            (start(json!({ "source": "gallery", "name": "nope" }), "fast", nothing()), "\"nope\""),
+            (start(rings(), "best", nothing()), "fast, balanced, paper"),
+            (start(rings(), "fast", json!({ "channels": -3 })), "between 4 and 160"),
+            (start(rings(), "fast", json!({ "channels": 4.5 })), "whole number"),
+            (start(rings(), "fast", json!({ "channels": "many" })), "can't be used"),
+            (start(rings(), "fast", json!({ "chanels": 8 })), "chanels"),
+            (start(rings(), "fast", json!({ "boundary": "leaky" })), "leaky"),
+            (start(rings(), "fast", json!({ "grid-min": 64, "grid-max": 32 })), "'grid-min'"),
+            (json!({ "type": "resume", "state": "{}" }), "saved state"),
+        ];
+        for (request, part) in cases {
+            refused(&ask(&mut session, request), part);
+        }
+        let batch = run(&mut session, 1);
+        assert_eq!(batch["progress"]["totalIterations"], json!(2), "the run before is still there");
+    }
+
+    #[test]
+    fn a_broken_file_is_answered_with_its_place() {
+        let open = |bytes: &[u8]| json!({ "type": "open", "exemplar": { "source": "file", "name": "mine.csv", "bytes": bytes } });
+        let mut session = Session::new();
+        let answer = ask(&mut session, open(b"x,y\n0.5,0.5\n0.2,oops\n"));
+        assert_eq!(answer["place"], json!({ "line": 3, "column": 2 }), "{answer}");
+        let message = answer["message"].as_str().unwrap();
+        assert!(message.starts_with("mine.csv: line 3, column 2") && message.contains("oops"), "{message}");
+        let answer = ask(&mut session, open(b"x,y\n0.5,0.5\n0.2,0.25\n"));
+        assert_eq!(answer["exemplar"]["points"]["positions"], json!([0.5, 0.5, f64::from(0.2_f32), 0.25]), "{answer}");
+    }
+
+    #[test]
+    fn an_output_is_drawn_in_the_units_of_its_exemplar() {
+        let mut session = Session::new();
+        let text = "# domain 100 200 140 220\n100,200\n140,220\n120,210\n110,205\n130,215\n";
+        let exemplar = json!({ "source": "file", "name": "a.csv", "bytes": text.as_bytes() });
+        let mut request = tiny(1);
+        request["exemplar"] = exemplar;
+        let started = ask(&mut session, request);
+        assert_eq!(started["exemplar"]["size"], json!([1.0, 0.5]), "{started}");
+        assert_eq!(started["exemplar"]["min"], json!([100.0, 200.0]));
+        assert_eq!(started["exemplar"]["unit"], json!(40.0));
+        assert_eq!(started["exemplar"]["points"]["positions"][2], json!(1.0));
+        assert_eq!(started["output"]["size"], json!([1.0, 0.75]));
+        assert_eq!(started["output"]["unit"], json!(40.0));
+    }
+}

@@ -1,0 +1,183 @@
+// @ts-check
+/** A headless Chromium that opens the built page and watches it for what no test should have to look for. */
+import assert from 'node:assert/strict';
+import { existsSync } from 'node:fs';
+import { mkdtemp, rm } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { chromium } from 'playwright-core';
+
+import { serve } from './server.mjs';
+
+/** @typedef {import('playwright-core').Page} Page */
+
+export const DIST = process.env.POINTWEAVE_DIST ?? fileURLToPath(new URL('../../dist', import.meta.url));
+const CHROMIUM = process.env.POINTWEAVE_CHROMIUM ?? '/usr/bin/chromium';
+/** How long a test waits for one thing; machines are slow and busy. */
+export const PATIENCE = 60_000;
+
+/** @param {{ webgpu?: boolean }} [options] */
+export async function launch({ webgpu = false } = {}) {
+  assert.ok(existsSync(join(DIST, 'index.html')), `there is no built page in ${DIST}: run \`cargo xtask build\` first`);
+  const server = await serve(DIST);
+  const profile = await mkdtemp(join(tmpdir(), 'pointweave-browser-'));
+  const context = await chromium.launchPersistentContext(profile, {
+    executablePath: CHROMIUM,
+    headless: false,
+    acceptDownloads: true,
+    args: [
+      '--headless=new',
+      '--no-sandbox',
+      '--disable-quic',
+      '--no-first-run',
+      '--disable-background-networking',
+      '--disable-component-update',
+      '--disable-sync',
+      // Pages in the background must not be slowed down: tests open several.
+      '--disable-renderer-backgrounding',
+      ...(webgpu ? ['--enable-unsafe-webgpu'] : []),
+    ],
+  });
+  context.setDefaultTimeout(PATIENCE);
+  return {
+    context,
+    url: server.url,
+    async close() {
+      await context.close();
+      await server.close();
+      await rm(profile, { recursive: true, force: true });
+    },
+  };
+}
+
+/** @typedef {Awaited<ReturnType<typeof launch>>} Browser */
+
+/**
+ * Opens the page, hands it to `body`, and fails when the console held an error, the policy was violated, a script
+ * threw or anything but the page's own server was asked.
+ *
+ * @param {Browser} browser
+ * @param {{ query?: string, viewport?: { width: number, height: number }, expectErrors?: boolean,
+ *   media?: Parameters<Page['emulateMedia']>[0] }} options
+ * @param {(page: Page) => Promise<void>} body
+ */
+export async function withPage(browser, { query = '', viewport = { width: 1440, height: 900 }, expectErrors, media }, body) {
+  const page = await browser.context.newPage();
+  /** @type {string[]} */
+  const complaints = [];
+  page.on('console', (message) => {
+    if (message.type() === 'error' && !expectErrors) complaints.push(`console: ${message.text()}`);
+    if (/content security policy/i.test(message.text())) complaints.push(`policy: ${message.text()}`);
+  });
+  page.on('pageerror', (error) => complaints.push(`exception: ${error.message}`));
+  page.on('requestfailed', (request) => complaints.push(`failed: ${request.url()} ${request.failure()?.errorText}`));
+  page.on('response', (response) => {
+    if (response.status() >= 400) complaints.push(`status ${response.status()}: ${response.url()}`);
+  });
+  page.on('request', (request) => {
+    const { origin, protocol } = new URL(request.url());
+    const own = origin === new URL(browser.url).origin;
+    if (!own && protocol !== 'blob:' && protocol !== 'data:') complaints.push(`third party: ${request.url()}`);
+  });
+  try {
+    if (media) await page.emulateMedia(media);
+    await page.setViewportSize(viewport);
+    await page.goto(browser.url + query);
+    await body(page);
+    assert.deepEqual(complaints, [], 'the page complained');
+  } finally {
+    await page.close();
+  }
+}
+
+/**
+ * One member of the page's debug object.
+ *
+ * @param {Page} page
+ * @param {'status' | 'progress' | 'parameters' | 'positions' | 'losses' | 'savedIterations'} member
+ * @returns {Promise<any>}
+ */
+export const peek = (page, member) =>
+  page.evaluate((name) => /** @type {any} */ (window).pointweave?.[name], member);
+
+/**
+ * Waits until the run has done so many iterations.
+ *
+ * @param {Page} page
+ * @param {number} count
+ */
+export const iterations = (page, count) =>
+  page.waitForFunction(
+    (least) => /** @type {any} */ (window).pointweave?.progress?.totalIterations >= least,
+    count,
+    { polling: 50 },
+  );
+
+/**
+ * Waits until a run with that parameter has begun; settings take effect a moment after they were changed.
+ *
+ * @param {Page} page
+ * @param {string} name
+ * @param {number | string} value
+ */
+export const parameter = (page, name, value) =>
+  page.waitForFunction(
+    ([key, wanted]) => /** @type {any} */ (window).pointweave?.parameters?.[key] === wanted,
+    /** @type {const} */ ([name, value]),
+    { polling: 50 },
+  );
+
+/**
+ * Waits until the run is in that state.
+ *
+ * @param {Page} page
+ * @param {string} status
+ */
+export const status = (page, status) =>
+  page.waitForFunction((wanted) => /** @type {any} */ (window).pointweave?.status === wanted, status, { polling: 50 });
+
+/**
+ * Pauses a run that plays and waits for the batch under way, so that nothing moves any more.
+ *
+ * @param {Page} page
+ */
+export async function pause(page) {
+  await page.getByRole('button', { name: 'Pause' }).click();
+  await status(page, 'paused');
+  await settled(page);
+}
+
+/**
+ * Waits until the positions have been the same for a while.
+ *
+ * @param {Page} page
+ */
+export async function settled(page) {
+  for (let before = ''; ; ) {
+    const now = JSON.stringify(await peek(page, 'positions'));
+    if (now === before) return;
+    before = now;
+    await page.waitForTimeout(400);
+  }
+}
+
+/**
+ * Clicks something that starts a download and reads the file.
+ *
+ * @param {Page} page
+ * @param {string} button
+ */
+export async function downloadText(page, button) {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: button }).click()]);
+  const chunks = [];
+  for await (const chunk of await download.createReadStream()) chunks.push(chunk);
+  return { name: download.suggestedFilename(), text: Buffer.concat(chunks).toString('utf8') };
+}
+
+/**
+ * The data rows of a CSV: lines that begin with a number.
+ *
+ * @param {string} text
+ */
+export const csvRows = (text) => text.split('\n').filter((line) => /^-?[\d.]/.test(line));

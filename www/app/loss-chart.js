@@ -1,0 +1,144 @@
+// @ts-check
+/** The loss of every iteration on a logarithmic axis, Gram and correlation apart, with a line where a scale begins. */
+import { prepare, readColours } from './draw.js';
+
+/** Below this a loss is zero as far as a picture goes. */
+const SMALLEST = 1e-9;
+const AXIS = 50;
+const FOOT = 18;
+
+export class LossChart {
+  #canvas = /** @type {HTMLCanvasElement} */ (document.getElementById('loss-canvas'));
+  #colours = readColours();
+  /** @type {{ gram: number, correlation: number }[]} */
+  #losses = [];
+  /** @type {number[]} iterations before each scale */
+  #scales = [];
+  #frame = 0;
+
+  constructor() {
+    new ResizeObserver(() => this.#redraw()).observe(this.#canvas);
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+      this.#colours = readColours();
+      this.#redraw();
+    });
+  }
+
+  /** Total loss of every iteration so far. */
+  get totals() {
+    return this.#losses.map(({ gram, correlation }) => gram + correlation);
+  }
+
+  /** @param {number} [iterations] how many of the first ones to keep */
+  keep(iterations = 0) {
+    this.#losses.length = Math.min(this.#losses.length, iterations);
+    this.#scales = this.#scales.filter((start) => start < iterations);
+    this.#redraw();
+  }
+
+  beginScale() {
+    if (this.#losses.length > 0) this.#scales.push(this.#losses.length);
+  }
+
+  /** @param {import('./messages.js').LossTerms} loss */
+  add({ gram, correlation }) {
+    this.#losses.push({ gram: gram[0] + gram[1] + gram[2], correlation });
+    this.#redraw();
+  }
+
+  #redraw() {
+    this.#frame ||= requestAnimationFrame(() => {
+      this.#frame = 0;
+      this.#draw();
+    });
+  }
+
+  #draw() {
+    const { clientWidth: width, clientHeight: height } = this.#canvas;
+    if (width === 0 || height === 0) return;
+    const context = prepare(this.#canvas, width, height);
+    const count = this.#losses.length;
+    context.font = `12px ${getComputedStyle(this.#canvas).fontFamily}`;
+    context.lineWidth = 1;
+    let [low, high] = [Infinity, -Infinity];
+    for (const { gram, correlation } of this.#losses) {
+      for (const value of [gram, correlation]) {
+        if (value <= SMALLEST) continue;
+        low = Math.min(low, value);
+        high = Math.max(high, value);
+      }
+    }
+    const [top, bottom, left, right] = [6, height - FOOT, AXIS, width - 2];
+    context.strokeStyle = this.#colours.line;
+    context.fillStyle = this.#colours.soft;
+    context.textBaseline = 'middle';
+    if (count === 0 || high < 0) {
+      context.strokeRect(left + 0.5, top + 0.5, right - left - 1, bottom - top - 1);
+      context.textAlign = 'center';
+      context.fillText('The curve begins with the first iteration.', (left + right) / 2, (top + bottom) / 2);
+      return;
+    }
+    let [from, to] = [Math.log10(low), Math.log10(high)];
+    const slack = Math.max(0.08, 0.05 * (to - from));
+    [from, to] = [from - slack, to + slack];
+    const x = (/** @type {number} */ index) => left + ((index + 0.5) / Math.max(count, 20)) * (right - left);
+    const y = (/** @type {number} */ value) =>
+      bottom - ((Math.log10(Math.max(value, SMALLEST)) - from) / (to - from)) * (bottom - top);
+
+    context.textAlign = 'right';
+    // Powers of ten; with fewer than two in sight, halves and fifths too.
+    const factors = Math.floor(to) - Math.ceil(from) >= 1 ? [1] : [1, 2, 5];
+    for (let power = Math.floor(from); power <= Math.ceil(to); power++) {
+      for (const factor of factors) {
+        const value = factor * 10 ** power;
+        const at = Math.round(y(value)) + 0.5;
+        if (at < top || at > bottom) continue;
+        context.beginPath();
+        context.moveTo(left, at);
+        context.lineTo(right, at);
+        context.stroke();
+        context.fillText(tick(value), left - 6, at);
+      }
+    }
+    context.setLineDash([2, 3]);
+    context.strokeStyle = this.#colours.lineStrong;
+    for (const start of this.#scales) {
+      const at = Math.round(x(start)) + 0.5;
+      context.beginPath();
+      context.moveTo(at, top);
+      context.lineTo(at, bottom);
+      context.stroke();
+    }
+    context.setLineDash([]);
+    context.textAlign = 'left';
+    context.fillText('1', left, height - 7);
+    context.textAlign = 'right';
+    context.fillText(`${Math.max(count, 20)} iterations`, right, height - 7);
+
+    context.lineJoin = 'round';
+    context.lineWidth = 1.5;
+    for (const term of /** @type {const} */ (['gram', 'correlation'])) {
+      context.strokeStyle = this.#colours[term];
+      context.beginPath();
+      // At most a few vertices a pixel, however long the run.
+      const stride = Math.max(1, Math.floor(count / (4 * width)));
+      for (let index = 0; index < count; index += stride) context.lineTo(x(index), y(this.#losses[index][term]));
+      if (count === 1) context.lineTo(x(0) + 2, y(this.#losses[0][term]));
+      context.stroke();
+    }
+    const last = this.#losses[count - 1];
+    this.#canvas.setAttribute(
+      'aria-label',
+      `Loss after ${count} iterations: Gram ${last.gram.toPrecision(2)}, correlation ${last.correlation.toPrecision(2)}`,
+    );
+  }
+}
+
+/** A power of ten, or a multiple of one, as a label. @param {number} value */
+function tick(value) {
+  if (value >= 0.009 && value < 10_000) return String(Number(value.toPrecision(1)));
+  const power = Math.floor(Math.log10(value) + 1e-9);
+  const factor = Math.round(value / 10 ** power);
+  const superscript = [...String(power)].map((sign) => '⁰¹²³⁴⁵⁶⁷⁸⁹'[Number(sign)] ?? '⁻').join('');
+  return `${factor === 1 ? '' : `${factor}·`}10${superscript}`;
+}

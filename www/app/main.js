@@ -1,0 +1,581 @@
+// @ts-check
+/** The playground: wires the controls, the worker and the canvases together. */
+import { drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { LossChart } from './loss-chart.js';
+import { Run } from './run.js';
+import { Stage } from './stage.js';
+import { duration, points, rate, times } from './words.js';
+import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
+
+/** @typedef {import('./messages.js').Source} Source */
+/** @typedef {import('./messages.js').GalleryEntryView} GalleryEntryView */
+/** @typedef {import('./messages.js').PatternView} PatternView */
+/** @typedef {import('./messages.js').Progress} Progress */
+/** @typedef {{ title: string, caption: string, source: Source }} Chosen */
+
+/** What the page shows first. */
+const FIRST = 'rings';
+/** Files over this are not even read; the worker's own limit, with a better sentence, is far below. */
+const LARGEST_FILE = 64 * 1024 * 1024;
+/** A slider in motion starts one run, not thirty. */
+const SETTLE_MS = 180;
+const LARGEST_SEED = Number.MAX_SAFE_INTEGER;
+
+const address = new URLSearchParams(location.search);
+/** `?test=1` lets a test make the worker die; `&patience=` says after how many milliseconds of silence it counts as dead. */
+const isTest = address.get('test') === '1';
+const patience = isTest ? Number(address.get('patience')) || 30_000 : 30_000;
+
+/**
+ * @template {HTMLElement} [E=HTMLElement]
+ * @param {string} id
+ * @returns {E}
+ */
+function element(id) {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`the page has no element '${id}'`);
+  return /** @type {E} */ (found);
+}
+
+const stage = new Stage();
+const chart = new LossChart();
+const link = new WorkerLink(`./worker.js${isTest ? '?test=1' : ''}`, patience, onWorkerDeath);
+const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain });
+
+/** @type {Chosen} */
+let chosen = { title: 'Rings', caption: '', source: { source: 'gallery', name: FIRST } };
+/** @type {Progress | null} */
+let progress = null;
+/** @type {import('./messages.js').Parameters | null} */
+let parameters = null;
+let booted = false;
+
+// ---------------------------------------------------------------------------------------------- notices
+
+/**
+ * Says something in the one place for it; the next notice replaces it.
+ *
+ * @param {string} text
+ * @param {{ label: string, act: () => void }} [offer]
+ */
+function notify(text, offer) {
+  const notice = document.createElement('div');
+  notice.className = 'notice';
+  const words = document.createElement('p');
+  words.textContent = text;
+  notice.append(words);
+  if (offer) {
+    const button = document.createElement('button');
+    button.type = 'button';
+    button.textContent = offer.label;
+    button.onclick = () => {
+      unnotify();
+      offer.act();
+    };
+    notice.append(button);
+  }
+  const close = document.createElement('button');
+  close.type = 'button';
+  close.className = 'close';
+  close.textContent = '×';
+  close.setAttribute('aria-label', 'Dismiss');
+  close.onclick = unnotify;
+  notice.append(close);
+  element('notices').replaceChildren(notice);
+}
+
+function unnotify() {
+  element('notices').replaceChildren();
+}
+
+/** @param {string} message a sentence of the library; those begin small and have no full stop */
+function complain(message) {
+  complainAbout('', message.charAt(0).toUpperCase() + message.slice(1));
+}
+
+/**
+ * @param {string} start what must stay as it is, such as a file's name
+ * @param {string} message
+ */
+function complainAbout(start, message) {
+  notify(start + message + (/[.!?]$/.test(message) ? '' : '.'));
+}
+
+/** @param {string} text for those who do not see the canvas move */
+function announce(text) {
+  element('live').textContent = text;
+}
+
+/** @param {string} reason */
+function onWorkerDeath(reason) {
+  run.workerDied();
+  if (!booted) {
+    notify(`The computation could not start: ${reason}.`, { label: 'Try again', act: () => void boot() });
+    return;
+  }
+  const saved = run.savedIterations;
+  if (saved === null) {
+    notify(`The computation stopped unexpectedly (${reason}).`, { label: 'Start again', act: () => begin(true) });
+  } else {
+    notify(`The computation stopped unexpectedly (${reason}). Its state after iteration ${saved} is safe.`, {
+      label: saved === 0 ? 'Start again' : `Continue from iteration ${saved}`,
+      act: () => void run.recover(),
+    });
+  }
+}
+
+// ---------------------------------------------------------------------------------------------- the run
+
+/** @param {import('./messages.js').StartedResponse} started */
+function onStarted(started) {
+  progress = started.progress;
+  parameters = started.parameters;
+  chart.keep(started.progress.totalIterations);
+  stage.show(started.exemplar, started.output);
+  const { exemplar, output } = started;
+  const outputCount = output.points.classes.length;
+  element('exemplar-title').textContent = chosen.title;
+  element('exemplar-caption').textContent = chosen.caption;
+  element('exemplar-count').textContent = points(exemplar.points.classes.length);
+  const factors = [started.parameters['expansion-x'], started.parameters['expansion-y']].map(Number);
+  element('output-count').textContent = `${points(outputCount)} · ${factors.map(times).join(' ')}`;
+  element('exemplar-canvas').setAttribute(
+    'aria-label',
+    `The exemplar ${chosen.title}: ${points(exemplar.points.classes.length)}. ${chosen.caption}`,
+  );
+  element('download-csv').title = `${points(outputCount)}, one line each, in the exemplar's own units`;
+  showProgress(null, null);
+}
+
+/** @param {import('./messages.js').BatchResponse} batch */
+function onBatch(batch) {
+  const scaleBefore = progress?.scale;
+  progress = batch.progress;
+  for (const event of batch.events) {
+    if (event.type === 'iterated') chart.add(event.loss);
+    else if (event.type === 'scale-started') chart.beginScale();
+  }
+  if (batch.points) stage.move(batch.points);
+  showProgress(batch.iterationsPerSecond, batch.secondsLeft);
+  if (progress.scale !== scaleBefore) announce(`Scale ${progress.scale + 1} of ${progress.scales} has begun.`);
+}
+
+/**
+ * @param {number | null} iterationsPerSecond
+ * @param {number | null} secondsLeft
+ */
+function showProgress(iterationsPerSecond, secondsLeft) {
+  if (!progress) return;
+  const { class: klass, classes, scale, scales, iteration, iterations, totalIterations, done } = progress;
+  const finished = run.status === 'finished';
+  const playing = run.status === 'playing';
+  const part = classes > 1 ? `Class ${klass + 1} of ${classes} · ` : '';
+  element('fact-scale').textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}`;
+  element('fact-iteration').textContent = `Iteration ${totalIterations}`;
+  element('fact-rate').textContent = iterationsPerSecond && playing ? rate(iterationsPerSecond) : '';
+  element('fact-left').textContent =
+    secondsLeft !== null && playing ? `about ${duration(secondsLeft)} left` : '';
+  const bar = element('progress');
+  if (bar.children.length !== scales) {
+    bar.replaceChildren(
+      ...Array.from({ length: scales }, () => {
+        const segment = document.createElement('span');
+        segment.append(document.createElement('i'));
+        return segment;
+      }),
+    );
+  }
+  for (const [index, segment] of [...bar.children].entries()) {
+    const share = finished || index < scale ? 1 : index > scale ? 0 : iteration / Math.max(iterations, 1);
+    /** @type {HTMLElement} */ (segment.firstChild).style.transform = `translateX(${101 * Math.min(share, 1) - 101}%)`;
+  }
+  const words = finished ? 'Finished' : `Scale ${scale + 1} of ${scales}, iteration ${iteration} of ${iterations}`;
+  bar.setAttribute('aria-valuenow', String(Math.round(100 * (finished ? 1 : done))));
+  bar.setAttribute('aria-valuetext', words);
+  element('output-canvas').setAttribute(
+    'aria-label',
+    `The result: ${points(stage.positions.length / 2)} with the structure of ${chosen.title}. ${words}.`,
+  );
+}
+
+/** @param {import('./run.js').Status} status */
+function onStatus(status) {
+  const does = { empty: 'play', paused: 'play', playing: 'pause', finished: 'again', stopped: 'again' }[status];
+  const button = element('play');
+  button.dataset.does = does;
+  const continues = (progress?.totalIterations ?? 0) > 0;
+  element('play-label').textContent =
+    does === 'pause' ? 'Pause' : does === 'again' ? 'Run again' : continues ? 'Continue' : 'Run';
+  element('step').toggleAttribute('disabled', status === 'finished' || status === 'stopped' || status === 'empty');
+  if (status !== 'playing') showProgress(null, null);
+  if (status === 'finished') announce('Finished.');
+  document.body.dataset.status = status;
+}
+
+function toggle() {
+  if (run.status === 'playing') run.pause();
+  else if (run.status === 'paused') run.play();
+  else if (run.status === 'finished' || run.status === 'stopped') void run.again();
+}
+
+async function reset() {
+  await run.reset();
+  onStatus(run.status);
+}
+
+// ---------------------------------------------------------------------------------------------- settings
+
+const settings = element('settings');
+const [slideX, slideY] = [element('expansion-x'), element('expansion-y')].map(
+  (slider) => /** @type {HTMLInputElement} */ (slider),
+);
+const seedField = /** @type {HTMLInputElement} */ (element('seed'));
+const linked = /** @type {HTMLInputElement} */ (element('linked'));
+
+/** @param {string} name */
+const radio = (name) =>
+  /** @type {HTMLInputElement | null} */ (settings.querySelector(`input[name="${name}"]:checked`))?.value;
+
+/** @returns {number | null} */
+function readSeed() {
+  const text = seedField.value.trim();
+  const seed = /^\d+$/.test(text) ? Number(text) : Number.NaN;
+  const valid = Number.isSafeInteger(seed);
+  seedField.setAttribute('aria-invalid', String(!valid));
+  return valid ? seed : null;
+}
+
+/** @type {ReturnType<typeof setTimeout> | undefined} */
+let settling;
+
+/** Starts a run with the settings as they are. @param {boolean} play */
+function begin(play) {
+  clearTimeout(settling);
+  const seed = readSeed();
+  if (seed === null) {
+    complain(`the seed must be a whole number between 0 and ${LARGEST_SEED}`);
+    return Promise.resolve(false);
+  }
+  return run.start(
+    {
+      source: chosen.source,
+      preset: radio('preset') ?? 'fast',
+      overrides: {
+        'expansion-x': Number(slideX.value),
+        'expansion-y': Number(slideY.value),
+        boundary: radio('boundary') ?? 'open',
+        seed,
+      },
+    },
+    play,
+  );
+}
+
+function beginSoon() {
+  clearTimeout(settling);
+  settling = setTimeout(() => {
+    unnotify();
+    void begin(true);
+  }, SETTLE_MS);
+}
+
+function showSliders() {
+  element('expansion-x-value').textContent = times(Number(slideX.value));
+  element('expansion-y-value').textContent = times(Number(slideY.value));
+}
+
+for (const [slider, other] of [
+  [slideX, slideY],
+  [slideY, slideX],
+]) {
+  slider.addEventListener('input', () => {
+    if (linked.checked) other.value = slider.value;
+    showSliders();
+    beginSoon();
+  });
+}
+linked.addEventListener('change', () => {
+  if (!linked.checked || slideX.value === slideY.value) return;
+  slideY.value = slideX.value;
+  showSliders();
+  beginSoon();
+});
+settings.addEventListener('change', (event) => {
+  const { name, type } = /** @type {HTMLInputElement} */ (event.target);
+  if (type !== 'radio') return;
+  if (name === 'boundary') {
+    const periodic = radio('boundary') === 'periodic';
+    element('tiles-row').hidden = !periodic;
+  }
+  beginSoon();
+});
+seedField.addEventListener('input', () => {
+  if (readSeed() !== null) beginSoon();
+});
+element('dice').addEventListener('click', () => {
+  seedField.value = String(crypto.getRandomValues(new Uint32Array(1))[0] % 1_000_000);
+  readSeed();
+  beginSoon();
+});
+element('tiles').addEventListener('change', (event) => {
+  stage.tiles = /** @type {HTMLInputElement} */ (event.target).checked;
+});
+settings.addEventListener('submit', (event) => {
+  event.preventDefault();
+  beginSoon();
+});
+
+/** @param {import('./messages.js').DescriptionResponse} description */
+function showDescription({ engine, presets, ranges, version }) {
+  const threads = engine.threads === 1 ? '1 thread' : `${engine.threads} threads`;
+  element('engine').textContent = `${engine.name} · ${engine.simd ? 'SIMD, ' : ''}${threads}`;
+  element('engine').title = `Pointweave ${version} computes on the processor of this machine`;
+  if (element('presets').children.length === 0) {
+    for (const [index, { name, title }] of presets.entries()) {
+      const label = document.createElement('label');
+      const input = document.createElement('input');
+      Object.assign(input, { type: 'radio', name: 'preset', value: name, defaultChecked: index === 0 });
+      input.setAttribute('aria-describedby', 'hint-preset');
+      const words = document.createElement('span');
+      words.textContent = title;
+      label.append(input, words);
+      element('presets').append(label);
+    }
+  }
+  element('hint-preset').textContent = presets.map(({ title, meaning }) => `${title}: ${meaning}`).join('\n');
+  for (const { name, meaning } of ranges) {
+    const hint = document.getElementById(`hint-${name}`);
+    if (hint) hint.textContent = meaning;
+  }
+}
+
+// ---------------------------------------------------------------------------------------------- exemplars
+
+/** @type {Map<HTMLCanvasElement, PatternView>} */
+const thumbnails = new Map();
+
+/**
+ * @param {HTMLCanvasElement} canvas
+ * @param {PatternView} pattern
+ */
+function drawThumbnail(canvas, { points: { positions, classes }, size: [width, height], spacing, classNames }) {
+  const side = canvas.clientWidth || 60;
+  const margin = 4;
+  const scale = side - 2 * margin;
+  const context = prepare(canvas, side, side);
+  drawPoints(context, readColours(), positions, classes, {
+    left: margin + ((1 - width) / 2) * scale,
+    top: margin + ((1 - height) / 2) * scale,
+    scale,
+    radius: Math.max(0.8, 0.9 * markRadius(spacing, scale)),
+    many: classNames.length > 1,
+  });
+}
+
+function drawThumbnails() {
+  for (const [canvas, pattern] of thumbnails) drawThumbnail(canvas, pattern);
+}
+
+/**
+ * @param {Chosen} choice
+ * @param {string} value
+ * @param {PatternView} pattern
+ */
+function exemplarCard(choice, value, pattern) {
+  const card = document.createElement('label');
+  card.className = 'exemplar-card';
+  card.title = choice.caption;
+  const input = document.createElement('input');
+  Object.assign(input, { type: 'radio', name: 'exemplar', value, className: 'unseen' });
+  input.addEventListener('change', () => choose(choice));
+  const canvas = document.createElement('canvas');
+  canvas.setAttribute('aria-hidden', 'true');
+  const words = document.createElement('div');
+  const title = document.createElement('strong');
+  title.textContent = choice.title;
+  const caption = document.createElement('span');
+  caption.textContent = choice.caption;
+  words.append(title, caption);
+  card.append(input, canvas, words);
+  thumbnails.set(canvas, pattern);
+  return { card, input };
+}
+
+/** @param {Chosen} choice */
+function choose(choice) {
+  chosen = choice;
+  beginSoon();
+}
+
+/** @param {GalleryEntryView[]} entries */
+function showGallery(entries) {
+  const gallery = element('gallery');
+  if (gallery.children.length > 0) return;
+  for (const { name, title, caption, pattern } of entries) {
+    const choice = { title, caption, source: /** @type {Source} */ ({ source: 'gallery', name }) };
+    const { card, input } = exemplarCard(choice, name, pattern);
+    if (chosen.source.name === name) {
+      input.checked = true;
+      chosen = choice;
+      element('exemplar-title').textContent = title;
+      element('exemplar-caption').textContent = caption;
+    }
+    gallery.append(card);
+  }
+  drawThumbnails();
+}
+
+/** @param {File} file */
+async function openFile(file) {
+  unnotify();
+  if (file.size > LARGEST_FILE) {
+    complainAbout(file.name, ` has ${Math.round(file.size / 1e6)} MB; a point pattern of that size can't be used here`);
+    return;
+  }
+  try {
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    /** @type {Source} */
+    const source = { source: 'file', name: file.name, bytes };
+    const { exemplar } = await link.ask({ type: 'open', exemplar: source });
+    const caption = `Your own file, ${points(exemplar.points.classes.length)}.`;
+    const choice = { title: file.name, caption, source };
+    const { card, input } = exemplarCard(choice, 'own', exemplar);
+    const gallery = element('gallery');
+    gallery.querySelector('input[value="own"]')?.closest('label')?.remove();
+    gallery.prepend(card);
+    gallery.scrollTo({ top: 0, left: 0 });
+    input.checked = true;
+    for (const canvas of thumbnails.keys()) if (!canvas.isConnected) thumbnails.delete(canvas);
+    drawThumbnails();
+    chosen = choice;
+    await begin(true);
+  } catch (error) {
+    if (error instanceof WorkerDied) return;
+    if (error instanceof Refused) complainAbout('', error.message);
+    else complainAbout(file.name, ` could not be read: ${error instanceof Error ? error.message : error}`);
+  }
+}
+
+const fileField = /** @type {HTMLInputElement} */ (element('file'));
+fileField.addEventListener('change', () => {
+  const file = fileField.files?.[0];
+  // So that the same file can be chosen again after it was mended.
+  if (file) void openFile(file).finally(() => (fileField.value = ''));
+});
+
+/** @param {DragEvent} event */
+const carriesFile = (event) => event.dataTransfer?.types.includes('Files') ?? false;
+window.addEventListener('dragover', (event) => {
+  if (!carriesFile(event)) return;
+  event.preventDefault();
+  element('drop-veil').hidden = false;
+});
+window.addEventListener('dragleave', (event) => {
+  if (event.relatedTarget === null) element('drop-veil').hidden = true;
+});
+window.addEventListener('drop', (event) => {
+  element('drop-veil').hidden = true;
+  if (!carriesFile(event)) return;
+  event.preventDefault();
+  const file = event.dataTransfer?.files[0];
+  if (file) void openFile(file);
+});
+
+// ---------------------------------------------------------------------------------------------- downloads
+
+/**
+ * @param {'csv' | 'svg'} format
+ * @param {string} mime
+ */
+async function download(format, mime) {
+  try {
+    const { text } = await run.export(format);
+    const name = chosen.source.name.replace(/\.[^.]*$/, '');
+    const anchor = document.createElement('a');
+    anchor.href = URL.createObjectURL(new Blob([text], { type: mime }));
+    anchor.download = `pointweave-${name}.${format}`;
+    anchor.click();
+    setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000);
+  } catch (error) {
+    if (error instanceof Refused) complain(error.message);
+    else if (!(error instanceof WorkerDied)) throw error;
+  }
+}
+element('download-csv').addEventListener('click', () => void download('csv', 'text/csv'));
+element('download-svg').addEventListener('click', () => void download('svg', 'image/svg+xml'));
+
+// ---------------------------------------------------------------------------------------------- keyboard
+
+element('play').addEventListener('click', toggle);
+element('step').addEventListener('click', () => void run.step());
+element('reset').addEventListener('click', () => void reset());
+
+window.addEventListener('keydown', (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
+  const target = /** @type {HTMLElement} */ (event.target);
+  const type = target instanceof HTMLInputElement ? target.type : '';
+  const writes = type !== '' && !['radio', 'checkbox', 'range', 'file'].includes(type);
+  if (writes) return;
+  // A control keeps the keys it answers to; a chosen radio does not answer to Space.
+  const ownsSpace = target.closest('button, summary, a') || ['checkbox', 'file'].includes(type);
+  const ownsArrows = type === 'radio' || type === 'range';
+  if (event.key === ' ' && !ownsSpace) toggle();
+  else if (event.key === 'ArrowRight' && !ownsArrows) void run.step();
+  else if (event.key.toLowerCase() === 'r' && !event.repeat) void reset();
+  else return;
+  event.preventDefault();
+});
+
+// ---------------------------------------------------------------------------------------------- start
+
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawThumbnails);
+new ResizeObserver(drawThumbnails).observe(element('gallery'));
+
+async function boot() {
+  try {
+    // The worker answers in order: the run is on its way while the page is still being filled.
+    const description = link.ask({ type: 'describe' }).then(showDescription);
+    const gallery = link.ask({ type: 'gallery' }).then(({ entries }) => showGallery(entries));
+    const first = begin(true);
+    await Promise.all([description, gallery]);
+    booted = true;
+    await first;
+  } catch (error) {
+    if (!(error instanceof WorkerDied)) throw error;
+  }
+}
+
+/**
+ * For tests and for the curious, in the browser's console: what the page knows, as numbers.
+ * `crash` works only on a page opened with `?test=1`.
+ */
+Object.assign(window, {
+  pointweave: {
+    get status() {
+      return run.status;
+    },
+    get progress() {
+      return progress && { ...progress };
+    },
+    /** All parameters of the run, under their names in files. */
+    get parameters() {
+      return parameters && { ...parameters };
+    },
+    /** Where the points are, not where they are drawn on their way there: `[x, y, x, y, …]` in exemplar units. */
+    get positions() {
+      return Array.from(stage.positions);
+    },
+    /** Total loss of every iteration so far. */
+    get losses() {
+      return chart.totals;
+    },
+    get savedIterations() {
+      return run.savedIterations;
+    },
+    crash: (/** @type {'trap' | 'silence'} */ how) => link.crash(how),
+  },
+});
+
+onStatus('empty');
+showSliders();
+void boot();

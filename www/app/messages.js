@@ -1,0 +1,71 @@
+// @ts-check
+/**
+ * The messages between the page and its worker: the JavaScript side of `src/web/protocol.rs`, member by member.
+ * A Rust unit test checks that every message there has its typedef here.
+ *
+ * Positions are in exemplar units (the exemplar's longer side is 1) from the lower corner of their domain.
+ */
+
+/** @typedef {{ source: 'gallery', name: string } | { source: 'file', name: string, bytes: Uint8Array }} Source */
+/** @typedef {'csv' | 'svg' | 'json'} ExportFormat */
+
+// What the page asks.
+/** @typedef {{ type: 'describe' }} DescribeRequest */
+/** @typedef {{ type: 'gallery' }} GalleryRequest */
+/** @typedef {{ type: 'open', exemplar: Source }} OpenRequest */
+/** @typedef {{ type: 'start', exemplar: Source, preset: string, overrides: Record<string, number | string> }} StartRequest */
+/** @typedef {{ type: 'run', budgetMs: number, maxIterations: number }} RunRequest */
+/** @typedef {{ type: 'export', format: ExportFormat }} ExportRequest */
+/** @typedef {{ type: 'save' }} SaveRequest */
+/** @typedef {{ type: 'resume', state: string }} ResumeRequest */
+/**
+ * @typedef {DescribeRequest | GalleryRequest | OpenRequest | StartRequest | RunRequest | ExportRequest | SaveRequest
+ *   | ResumeRequest} Request
+ */
+
+// What the worker answers.
+/** @typedef {{ type: 'description', version: string, engine: EngineView, presets: PresetView[], ranges: RangeView[] }} DescriptionResponse */
+/** @typedef {{ type: 'gallery', entries: GalleryEntryView[] }} GalleryResponse */
+/** @typedef {{ type: 'opened', exemplar: PatternView }} OpenedResponse */
+/** @typedef {{ type: 'started', exemplar: PatternView, output: PatternView, parameters: Parameters, progress: Progress }} StartedResponse */
+/**
+ * @typedef {{ type: 'batch', events: RunEvent[], progress: Progress, points: Points | null,
+ *   iterationsPerSecond: number | null, secondsLeft: number | null, finished: boolean }} BatchResponse
+ */
+/** @typedef {{ type: 'exported', format: ExportFormat, text: string, points: number }} ExportedResponse */
+/** @typedef {{ type: 'saved', state: string, progress: Progress }} SavedResponse */
+/** @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null }} ErrorResponse */
+/**
+ * @typedef {DescriptionResponse | GalleryResponse | OpenedResponse | StartedResponse | BatchResponse
+ *   | ExportedResponse | SavedResponse | ErrorResponse} Response
+ */
+
+/**
+ * Which answer belongs to which question.
+ * @typedef {{ describe: DescriptionResponse, gallery: GalleryResponse, open: OpenedResponse, start: StartedResponse,
+ *   run: BatchResponse, export: ExportedResponse, save: SavedResponse, resume: StartedResponse }} Answers
+ */
+
+// What they hold.
+/** @typedef {{ name: string, simd: boolean, threads: number }} EngineView */
+/** @typedef {{ name: string, title: string, meaning: string, parameters: Parameters }} PresetView */
+/** @typedef {{ name: string, min: number, max: number, whole: boolean, meaning: string }} RangeView */
+/** @typedef {{ name: string, title: string, caption: string, pattern: PatternView }} GalleryEntryView */
+/** @typedef {{ positions: Float32Array, classes: Uint16Array }} Points */
+/**
+ * @typedef {{ points: Points, classNames: string[], size: [number, number], min: [number, number], unit: number,
+ *   boundary: 'open' | 'periodic', spacing: number | null }} PatternView
+ */
+/** @typedef {Record<string, number | string>} Parameters */
+/**
+ * @typedef {{ class: number, classes: number, scale: number, scales: number, iteration: number, iterations: number,
+ *   totalIterations: number, done: number }} Progress
+ */
+/** @typedef {{ gram: [number, number, number], correlation: number }} LossTerms */
+/** @typedef {{ type: 'scale-started', progress: Progress, sigma: number, grid: [number, number] }} ScaleStartedEvent */
+/** @typedef {{ type: 'iterated', progress: Progress, loss: LossTerms }} IteratedEvent */
+/** @typedef {{ type: 'scale-finished', progress: Progress, converged: boolean }} ScaleFinishedEvent */
+/** @typedef {{ type: 'finished' }} FinishedEvent */
+/** @typedef {ScaleStartedEvent | IteratedEvent | ScaleFinishedEvent | FinishedEvent} RunEvent */
+
+export {};

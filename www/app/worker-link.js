@@ -1,0 +1,115 @@
+// @ts-check
+/**
+ * The page's end of the line to the worker: asks, waits, and notices when nobody answers any more.
+ */
+
+/** @typedef {import('./messages.js').Request} Request */
+/** @typedef {import('./messages.js').Answers} Answers */
+
+/** A request the worker refused, with the sentence it gave. */
+export class Refused extends Error {
+  /** @param {import('./messages.js').ErrorResponse} response */
+  constructor(response) {
+    super(response.message);
+    this.place = response.place;
+  }
+}
+
+/** The worker died before it answered. */
+export class WorkerDied extends Error {}
+
+export class WorkerLink {
+  /** @type {Worker | null} */
+  #worker = null;
+  #nextId = 0;
+  /** @type {Map<number, { resolve: (response: any) => void, reject: (error: Error) => void }>} */
+  #waiting = new Map();
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #watchdog;
+  #url;
+  #patienceMs;
+  #onDeath;
+
+  /**
+   * @param {string} url of the worker's module
+   * @param {number} patienceMs how long one answer may take before the worker counts as dead
+   * @param {(reason: string) => void} onDeath called once a death, after every waiting request was rejected
+   */
+  constructor(url, patienceMs, onDeath) {
+    this.#url = url;
+    this.#patienceMs = patienceMs;
+    this.#onDeath = onDeath;
+  }
+
+  /** Starts the worker if there is none. */
+  #open() {
+    if (this.#worker) return this.#worker;
+    const worker = new Worker(this.#url, { type: 'module' });
+    worker.onmessage = ({ data }) => {
+      if (worker !== this.#worker) return;
+      if ('died' in data) {
+        this.#bury(data.died);
+        return;
+      }
+      const waiting = this.#waiting.get(data.id);
+      this.#waiting.delete(data.id);
+      this.#watch();
+      if (data.response.type === 'error') waiting?.reject(new Refused(data.response));
+      else waiting?.resolve(data.response);
+    };
+    worker.onerror = (event) => {
+      event.preventDefault();
+      if (worker === this.#worker) this.#bury(event.message || 'it could not be loaded');
+    };
+    worker.onmessageerror = () => {
+      if (worker === this.#worker) this.#bury('a message could not be read');
+    };
+    this.#worker = worker;
+    return worker;
+  }
+
+  /** Restarts the clock, or stops it when nothing is being waited for. */
+  #watch() {
+    clearTimeout(this.#watchdog);
+    if (this.#waiting.size === 0) return;
+    const patience = this.#patienceMs;
+    this.#watchdog = setTimeout(() => this.#bury(`no answer for ${Math.round(patience / 1000)} s`), patience);
+  }
+
+  /** @param {string} reason */
+  #bury(reason) {
+    clearTimeout(this.#watchdog);
+    this.#worker?.terminate();
+    this.#worker = null;
+    const waiting = [...this.#waiting.values()];
+    this.#waiting.clear();
+    for (const { reject } of waiting) reject(new WorkerDied(reason));
+    this.#onDeath(reason);
+  }
+
+  /**
+   * Asks one question; a dead worker is replaced first.
+   *
+   * @template {Request} R
+   * @param {R} request
+   * @returns {Promise<Answers[R['type']]>}
+   */
+  ask(request) {
+    const worker = this.#open();
+    const id = this.#nextId++;
+    return new Promise((resolve, reject) => {
+      this.#waiting.set(id, { resolve, reject });
+      if (this.#waiting.size === 1) this.#watch();
+      worker.postMessage({ id, request });
+    });
+  }
+
+  /**
+   * Makes the worker die, for tests; it obeys only when its address says so.
+   *
+   * @param {'trap' | 'silence'} how
+   */
+  crash(how) {
+    return this.ask(/** @type {any} */ ({ type: 'crash', how })).catch(() => {});
+  }
+}
