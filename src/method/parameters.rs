@@ -321,6 +321,8 @@ impl Parameters {
             Preset::Balanced => Self {
                 margin_sigmas: 2.0,
                 channels: 48,
+                sigma_coarse_divisor: 0.5,
+                coarse_sigma_px: 7.0,
                 pixels_per_spacing: 8.0,
                 grid_min: 48,
                 grid_max: 160,
@@ -333,7 +335,9 @@ impl Parameters {
             },
             Preset::Fast => Self {
                 margin_sigmas: 2.0,
-                channels: 24,
+                channels: 32,
+                sigma_coarse_divisor: 0.5,
+                coarse_sigma_px: 7.0,
                 pixels_per_spacing: 7.0,
                 grid_min: 32,
                 grid_max: 128,

@@ -40,6 +40,17 @@ impl WorkerSession {
     }
 }
 
+/// Times an iteration: a workload as JSON in, a report as JSON out (see [`crate::bench`]).
+///
+/// # Errors
+/// When the workload can't be read or is out of range.
+#[wasm_bindgen]
+pub fn bench_iterations(workload: &str) -> Result<String, String> {
+    let workload = serde_json::from_str(workload).map_err(|error| error.to_string())?;
+    let report = crate::bench::run(&workload, &|| now() / 1000.0).map_err(|error| error.to_string())?;
+    serde_json::to_string(&report).map_err(|error| error.to_string())
+}
+
 fn to_js(response: &Response) -> JsValue {
     let serializer =
         serde_wasm_bindgen::Serializer::new().serialize_maps_as_objects(true).serialize_missing_as_null(true);

@@ -1,5 +1,6 @@
 //! Command line of Pointweave.
 
+mod bench;
 mod failure;
 mod files;
 mod gallery;
@@ -26,6 +27,7 @@ struct Arguments {
 enum Command {
     Synth(Box<synth::SynthArguments>),
     Gallery(gallery::GalleryArguments),
+    Bench(bench::BenchArguments),
 }
 
 const AFTER_HELP: &str = "\
@@ -33,6 +35,7 @@ Examples:
   pointweave gallery                                   what exemplars are built in
   pointweave synth gallery:rings -o rings.svg          twice as wide and high, as a picture
   pointweave synth trees.csv -o forest.csv --scale 3   your own points
+  pointweave bench --threads 2                         seconds per iteration, by stage
   pointweave help synth                                everything about synth
 
 Exit codes:
@@ -45,6 +48,7 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Synth(arguments) => synth::run(*arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -53,7 +53,7 @@ pub(crate) struct SynthArguments {
     /// Same seed, same result [default: 1]
     #[arg(long)]
     seed: Option<u64>,
-    /// What lies beyond the border of the result [default: open]
+    /// What lies beyond the border of the result [default: the same as beyond the exemplar's]
     #[arg(long, value_enum)]
     boundary: Option<BoundaryArgument>,
     /// The rectangle the exemplar's points were cut from
@@ -110,10 +110,7 @@ pub(crate) fn run(arguments: SynthArguments) -> Result<(), Failure> {
         files::check_writable(path)?;
     }
     if let Some(threads) = arguments.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.into())
-            .build_global()
-            .map_err(|error| Failure::Run(format!("{threads} threads can't be started: {error}")))?;
+        use_threads(threads)?;
     }
     let memory_limit = arguments.max_memory.map_or_else(memory::default_limit, |megabytes| megabytes * 1_000_000);
 
@@ -139,6 +136,14 @@ pub(crate) fn run(arguments: SynthArguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Sets the number of threads of everything that follows.
+pub(crate) fn use_threads(threads: u16) -> Result<(), Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.into())
+        .build_global()
+        .map_err(|error| Failure::Run(format!("{threads} threads can't be started: {error}")))
+}
+
 /// A new run, or the saved one.
 fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<Synthesis, Failure> {
     let refused = |error: SynthesisError| match error {
@@ -151,19 +156,23 @@ fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<Synthesis, Fai
         return Synthesis::resume(state, memory_limit)
             .map_err(|error| Failure::Run(format!("'{}' can't be continued: {error}", path.display())));
     }
+    let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
+    // Without --resume the parser makes sure that there is an input.
+    let input = arguments.input.as_deref().unwrap_or(Path::new("-"));
     let mut parameters = Parameters::preset(arguments.preset.map_or(Preset::Fast, Preset::from));
     if let Some([width, height]) = arguments.scale {
         (parameters.expansion_x, parameters.expansion_y) = (width, height);
     }
     parameters.seed = arguments.seed.unwrap_or(parameters.seed);
-    parameters.boundary = arguments.boundary.map_or(parameters.boundary, Into::into);
-    let parameters = settings::apply(parameters, &arguments.settings)?;
-    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+    // Checked before the input is read: a wrong command line is told first.
+    settings::apply(parameters.clone(), &arguments.settings)?
+        .validate()
+        .map_err(|error| Failure::Usage(error.to_string()))?;
 
-    let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
-    // Without --resume the parser makes sure that there is an input.
-    let input = arguments.input.as_deref().unwrap_or(Path::new("-"));
     let exemplar = files::read_pattern(input, &options)?;
+    // A tile makes a larger tile, a window a larger window, unless told otherwise.
+    parameters.boundary = arguments.boundary.map_or(exemplar.boundary(), Into::into);
+    let parameters = settings::apply(parameters, &arguments.settings)?;
     Synthesis::new(exemplar, parameters, memory_limit).map_err(refused)
 }
 
