@@ -26,6 +26,8 @@ pub struct ScaleSetup {
     pub exemplar_view: View,
     /// Width and height of the output.
     pub output_size: DVec2,
+    /// How far both grids reach beyond their domain on every side; 0 unless the output is open.
+    pub margin: f64,
     /// How the output is seen.
     pub output_view: View,
     /// Lags of the correlation loss.
@@ -71,13 +73,17 @@ impl ScaleSetup {
         // itself, or only its interior counts.
         let interior_only = boundary == Boundary::Periodic && exemplar_boundary == Boundary::Open;
         let exemplar_sees = if interior_only { Boundary::Open } else { boundary };
-        let exemplar_view = View { grid: grid(exemplar_size, scale.resolution, exemplar_sees), wave, interior_only };
-        let output_view = View { grid: grid(output_size, scale.resolution, boundary), wave, interior_only: false };
+        let margin = if boundary == Boundary::Open { parameters.margin_sigmas * scale.sigma } else { 0.0 };
+        let exemplar_view =
+            View { grid: grid(exemplar_size + 2.0 * margin, scale.resolution, exemplar_sees), wave, interior_only };
+        let output_view =
+            View { grid: grid(output_size + 2.0 * margin, scale.resolution, boundary), wave, interior_only: false };
         let (a, b): (Region, Region) = (exemplar_view.last_region(), output_view.last_region());
         Self {
             exemplar,
             exemplar_view,
             output_size,
+            margin,
             output_view,
             lags: Lags { rows: a.height().min(b.height()), columns: a.width().min(b.width()) },
             weights: [parameters.gram_weight, parameters.correlation_weight],

@@ -151,6 +151,9 @@ pub struct Parameters {
     pub frequency: f64,
     /// Each iteration shifts every row and every column of the sampling grid by up to this many pixels.
     pub jitter_px: f64,
+    /// In an open domain the sampling grid reaches this many σ beyond the border, on both sides alike: points near the
+    /// border are then seen whole, and gain nothing by crowding onto it. 0 ends the grid at the border, as the paper.
+    pub margin_sigmas: f64,
     /// Weight of the Gram loss.
     pub gram_weight: f64,
     /// Weight of the deep-correlation loss. The public PyTorch code lets gradient through one of two factors only,
@@ -215,7 +218,7 @@ impl Range {
 
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
-    pub const RANGES: [Range; 21] = [
+    pub const RANGES: [Range; 22] = [
         real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
         real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
         whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
@@ -239,6 +242,7 @@ impl Parameters {
         real("sigma-fine-divisor", 0.1, 8.0, "The narrowest σ is the mean spacing divided by this (c₂)."),
         real("frequency", 0.0, 16.0, "Cycles of the Gabor waves per exemplar side."),
         real("jitter-px", 0.0, 2.0, "How far rows and columns of the grid wander between iterations, in pixels."),
+        real("margin-sigmas", 0.0, 4.0, "How far an open grid reaches beyond the border, in σ."),
         real("gram-weight", 0.0, 1000.0, "Weight of the Gram loss: which filter answers occur together."),
         real(
             "correlation-weight",
@@ -270,6 +274,7 @@ impl Parameters {
             self.sigma_fine_divisor,
             self.frequency,
             self.jitter_px,
+            self.margin_sigmas,
             self.gram_weight,
             self.correlation_weight,
             self.learning_rate_coarse,
@@ -300,6 +305,7 @@ impl Parameters {
             sigma_fine_divisor: 2.6,
             frequency: 1.5,
             jitter_px: 1.0,
+            margin_sigmas: 0.0,
             gram_weight: 0.08,
             correlation_weight: 1.0,
             learning_rate_coarse: 0.005,
@@ -313,6 +319,7 @@ impl Parameters {
         match preset {
             Preset::Paper => paper,
             Preset::Balanced => Self {
+                margin_sigmas: 2.0,
                 channels: 48,
                 pixels_per_spacing: 8.0,
                 grid_min: 48,
@@ -325,6 +332,7 @@ impl Parameters {
                 ..paper
             },
             Preset::Fast => Self {
+                margin_sigmas: 2.0,
                 channels: 24,
                 pixels_per_spacing: 7.0,
                 grid_min: 32,

@@ -36,9 +36,17 @@ pub struct CpuEngine {
     network: Arc<Network<Float>>,
     phase: Phase,
     points: Vec<DVec2>,
+    /// The same points as the grid sees them: from the corner of its margin.
+    seen: Vec<DVec2>,
     moving_from: usize,
     adam: Adam,
     iteration: u32,
+}
+
+/// Puts points into the coordinates of a grid with a margin.
+fn see(points: &[DVec2], margin: f64, seen: &mut Vec<DVec2>) {
+    seen.clear();
+    seen.extend(points.iter().map(|point| point + margin));
 }
 
 /// The exemplar is measured first; its images are gone before those of the output are allocated.
@@ -90,9 +98,11 @@ impl CpuEngine {
         iteration: u32,
     ) -> Self {
         let count = setup.exemplar.len();
+        let mut seen = Vec::with_capacity(points.len().max(count));
+        see(&setup.exemplar, setup.margin, &mut seen);
         let exemplar =
             Evaluation::new(Arc::clone(&network), &setup.exemplar_view, count, setup.lags, false, setup.weights);
-        Self { setup, network, phase: Phase::Exemplar(Box::new(exemplar)), points, moving_from, adam, iteration }
+        Self { setup, network, phase: Phase::Exemplar(Box::new(exemplar)), points, seen, moving_from, adam, iteration }
     }
 
     /// The stage the next piece of work belongs to; `None` while the exemplar is measured.
@@ -108,7 +118,7 @@ impl CpuEngine {
     pub fn advance(&mut self) -> Advance {
         match &mut self.phase {
             Phase::Exemplar(exemplar) => {
-                if exemplar.advance(&self.setup.exemplar, None) {
+                if exemplar.advance(&self.seen, None) {
                     self.phase = Phase::Measured(exemplar.targets(self.setup.lags));
                 }
                 Advance::Working
@@ -119,11 +129,12 @@ impl CpuEngine {
                 let count = self.points.len();
                 let mut output = Evaluation::new(network, &setup.output_view, count, setup.lags, true, setup.weights);
                 jitter(setup, self.iteration, &mut output);
+                see(&self.points, self.setup.margin, &mut self.seen);
                 self.phase = Phase::Output(Box::new(output), targets);
                 Advance::Working
             }
             Phase::Output(output, targets) => {
-                if !output.advance(&self.points, Some(targets)) {
+                if !output.advance(&self.seen, Some(targets)) {
                     return Advance::Working;
                 }
                 let loss = output.loss();
@@ -136,6 +147,7 @@ impl CpuEngine {
                 for point in moving {
                     *point = keep_inside(*point, self.setup.output_size, self.setup.output_view.grid.boundary);
                 }
+                see(&self.points, self.setup.margin, &mut self.seen);
                 self.iteration += 1;
                 jitter(&self.setup, self.iteration, output);
                 Advance::Iterated(loss)
