@@ -220,6 +220,24 @@ describe('the playground', () => {
     await iterations(page, 1);
   });
 
+  pageTest('passes on why a run is refused, keeps the one it has, and takes the next', {}, async (page) => {
+    await iterations(page, 1);
+    await page.getByLabel('Paper').check();
+    await page.getByLabel('Width').fill('6');
+    const notice = page.locator('.notice');
+    await notice.waitFor();
+    assert.match(await notice.innerText(), /needs about \d+ MB of memory, \d+ MB are available; lower '/);
+    await status(page, 'paused');
+    const { totalIterations } = await peek(page, 'progress');
+    await page.getByRole('button', { name: 'Step' }).click();
+    await iterations(page, totalIterations + 1);
+    await page.getByLabel('Width').fill('1');
+    await page.getByLabel('Fast').check();
+    await parameter(page, 'expansion-x', 1);
+    await status(page, 'playing');
+    assert.equal(await notice.count(), 0);
+  });
+
   pageTest('can be driven by keyboard', {}, async (page) => {
     await iterations(page, 2);
     await page.keyboard.press('Space');

@@ -94,7 +94,7 @@ export class Stage {
       const gap = Number.parseFloat(getComputedStyle(this.#figures).columnGap) || 0;
       const free = width - gap - 4 * MARGIN;
       scale = free / (exemplarWidth + outputWidth);
-      if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free - CAPTION_WIDTH) / outputWidth;
+      if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / outputWidth;
       const head = 30;
       const room = this.#fits.matches ? Math.max(height, 300) : 0.8 * window.innerHeight;
       scale = Math.min(scale, (room - head - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight));
