@@ -369,6 +369,7 @@ mod tests {
             "overrides": {
                 "expansion-x": 1.0, "expansion-y": 1.5, "channels": 4.0, "grid-min": 16, "grid-max": 16,
                 "iterations-coarse": 3, "iterations-fine": 2, "convergence-window": 5000, "seed": seed,
+                "boundary": "open",
             },
         })
     }

@@ -1,5 +1,5 @@
 //! What several tests share.
-#![allow(dead_code, reason = "each test binary uses its own part")]
+#![allow(dead_code, unreachable_pub, reason = "each test binary includes this file and uses its own part")]
 
 use glam::DVec2;
 use pointweave::sampling::{Purpose, Rng};

@@ -13,6 +13,8 @@
 //! `[tile, frequency, re | im, channels]`, products `[frequency, re | im, tile, channels]`. Every parallel task thus
 //! writes one contiguous piece and reads the rest with strides.
 
+#![expect(clippy::needless_range_loop, reason = "the index runs over several arrays at once, as in the formulas")]
+
 use crate::domain::Boundary;
 
 use super::lanes::{self, Kernel, LANES, Lanes, padded};
@@ -326,7 +328,7 @@ impl Convolution {
             let image = Image { source, height, width, channels, boundary: self.geometry.boundary };
             let at = [index / columns, index % columns];
             if decimated {
-                let step = (N - KERNEL + 1) / 2;
+                let step = self.tile.step() / 2;
                 let origin = at.map(|i| (i * step) as isize - 1);
                 lanes::run(TransformDecimated::<T, N, HALF> { image, origin, out });
             } else {

@@ -10,9 +10,10 @@
 
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::algorithm::butterflies::{Butterfly4, Butterfly5, Butterfly6, Butterfly8, Butterfly9, Butterfly12};
+use rustfft::algorithm::{BluesteinsAlgorithm, Radix4};
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use rustfft::{Fft, FftDirection};
 
 use crate::domain::Boundary;
 
@@ -21,31 +22,53 @@ use super::parallel::{for_each_chunk, for_each_chunk_pair};
 use super::real::Real;
 use super::scratch::Scratch;
 
-/// The least number ≥ `n` without prime factors above 5, which transforms fast. Even, as real transforms like it.
-fn fast_length(n: usize) -> usize {
-    let smooth = |mut m: usize| {
-        for factor in [2, 3, 5] {
-            while m.is_multiple_of(factor) {
-                m /= factor;
-            }
-        }
-        m == 1
-    };
-    let mut m = n.max(2).next_multiple_of(2);
-    while !smooth(m) {
-        m += 2;
-    }
-    m
+/// A transform that starts from one of rustfft's butterflies.
+type Base<T> = fn(FftDirection) -> Arc<dyn Fft<T>>;
+
+/// The butterflies in use: times powers of four they give lengths at most a third apart.
+///
+/// Naming them, rather than asking rustfft's planner, keeps the planner's whole stock of algorithms out of the wasm
+/// (half a megabyte) and makes the transforms the same bits on every machine; the correlation takes a few percent of
+/// an iteration either way.
+fn bases<T: Real>() -> [(usize, Base<T>); 6] {
+    [
+        (4, |direction| Arc::new(Butterfly4::new(direction))),
+        (5, |direction| Arc::new(Butterfly5::new(direction))),
+        (6, |direction| Arc::new(Butterfly6::new(direction))),
+        (8, |direction| Arc::new(Butterfly8::new(direction))),
+        (9, |direction| Arc::new(Butterfly9::new(direction))),
+        (12, |direction| Arc::new(Butterfly12::new(direction))),
+    ]
 }
 
-/// Two-dimensional real transforms of one size.
+/// The exponent k with `len = base · 4ᵏ`, if there is one.
+fn power_of_four(len: usize, base: usize) -> Option<u32> {
+    (0..16).find(|&k| base << (2 * k) == len)
+}
+
+/// The least length ≥ `n` that [`bases`] makes directly.
+fn fast_length(n: usize) -> usize {
+    let fits = |len: usize| bases::<f32>().iter().any(|&(base, _)| power_of_four(len, base).is_some());
+    (n..).find(|&len| fits(len)).unwrap_or(n)
+}
+
+/// A transform of any length.
+fn plan<T: Real>(len: usize, direction: FftDirection) -> Arc<dyn Fft<T>> {
+    for (base, make) in bases::<T>() {
+        if let Some(k) = power_of_four(len, base) {
+            return Arc::new(Radix4::new_with_base(k, make(direction)));
+        }
+    }
+    Arc::new(BluesteinsAlgorithm::new(len, plan(fast_length(2 * len), direction)))
+}
+
+/// Two-dimensional transforms of one size. Two real channels go through as the real and the imaginary part of one.
 struct Plane<T: Real> {
     rows: usize,
     columns: usize,
-    forward_rows: Arc<dyn RealToComplex<T>>,
-    inverse_rows: Arc<dyn ComplexToReal<T>>,
-    forward_columns: Arc<dyn Fft<T>>,
-    inverse_columns: Arc<dyn Fft<T>>,
+    /// Along a row, along a column: forward, then inverse.
+    along_row: [Arc<dyn Fft<T>>; 2],
+    along_column: [Arc<dyn Fft<T>>; 2],
 }
 
 impl<T: Real> std::fmt::Debug for Plane<T> {
@@ -56,79 +79,72 @@ impl<T: Real> std::fmt::Debug for Plane<T> {
 
 impl<T: Real> Plane<T> {
     fn new(rows: usize, columns: usize) -> Self {
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
-        Self {
-            rows,
-            columns,
-            forward_rows: real.plan_fft_forward(columns),
-            inverse_rows: real.plan_fft_inverse(columns),
-            forward_columns: complex.plan_fft_forward(rows),
-            inverse_columns: complex.plan_fft_inverse(rows),
-        }
+        let both = |len| [plan(len, FftDirection::Forward), plan(len, FftDirection::Inverse)];
+        Self { rows, columns, along_row: both(columns), along_column: both(rows) }
     }
 
-    /// Columns of the half spectrum.
-    fn half(&self) -> usize {
-        self.columns / 2 + 1
+    fn len(&self) -> usize {
+        self.rows * self.columns
     }
 
     /// Complex numbers the transforms need beside their data.
     fn scratch_len(&self) -> usize {
-        [
-            self.forward_rows.get_scratch_len(),
-            self.inverse_rows.get_scratch_len(),
-            self.forward_columns.get_inplace_scratch_len(),
-            self.inverse_columns.get_inplace_scratch_len(),
-        ]
-        .into_iter()
-        .max()
-        .unwrap_or(0)
+        self.along_row.iter().chain(&self.along_column).map(|fft| fft.get_inplace_scratch_len()).max().unwrap_or(0)
     }
 
-    /// Forward: `plane` `[rows, columns]` (used up) to `spectrum` `[half columns, rows]`.
-    /// `line` has one row of the half spectrum.
+    /// Forward: `plane` `[rows, columns]` (used up) to `spectrum` `[columns, rows]`. Rows for which `holds` is false
+    /// are taken to be zero.
     fn forward(
         &self,
-        plane: &mut [T],
+        plane: &mut [Complex<T>],
         spectrum: &mut [Complex<T>],
-        line: &mut [Complex<T>],
         scratch: &mut [Complex<T>],
+        holds: impl Fn(usize) -> bool,
     ) {
-        let line = &mut line[..self.half()];
         for (y, row) in plane.chunks_exact_mut(self.columns).enumerate() {
-            let scratch = &mut scratch[..self.forward_rows.get_scratch_len()];
-            let done = self.forward_rows.process_with_scratch(row, line, scratch);
-            debug_assert!(done.is_ok(), "the lengths are the plan's own");
-            for (x, value) in line.iter().enumerate() {
-                spectrum[x * self.rows + y] = *value;
+            if holds(y) {
+                self.along_row[0].process_with_scratch(row, scratch);
+                for (x, value) in row.iter().enumerate() {
+                    spectrum[x * self.rows + y] = *value;
+                }
+            } else {
+                for x in 0..self.columns {
+                    spectrum[x * self.rows + y] = Complex::default();
+                }
             }
         }
-        self.forward_columns.process_with_scratch(spectrum, scratch);
+        self.along_column[0].process_with_scratch(spectrum, scratch);
     }
 
-    /// Inverse, not normalised: `spectrum` (used up) to `plane`.
+    /// Inverse, not normalised: `spectrum` (used up) to those rows of `plane` for which `wanted` is true.
     fn inverse(
         &self,
         spectrum: &mut [Complex<T>],
-        plane: &mut [T],
-        line: &mut [Complex<T>],
+        plane: &mut [Complex<T>],
         scratch: &mut [Complex<T>],
+        wanted: impl Fn(usize) -> bool,
     ) {
-        self.inverse_columns.process_with_scratch(spectrum, scratch);
-        let line = &mut line[..self.half()];
-        for (y, row) in plane.chunks_exact_mut(self.columns).enumerate() {
-            for (x, value) in line.iter_mut().enumerate() {
+        self.along_column[1].process_with_scratch(spectrum, scratch);
+        for (y, row) in plane.chunks_exact_mut(self.columns).enumerate().filter(|(y, _)| wanted(*y)) {
+            for (x, value) in row.iter_mut().enumerate() {
                 *value = spectrum[x * self.rows + y];
             }
-            // These two are real up to rounding; the transform insists on exactly.
-            line[0].im = T::ZERO;
-            if self.columns.is_multiple_of(2) {
-                line[self.half() - 1].im = T::ZERO;
+            self.along_row[1].process_with_scratch(row, scratch);
+        }
+    }
+
+    /// Calls `visit(index, a, b)` for every frequency with the transforms of the two real signals whose joint
+    /// transform is `spectrum`: `a = (z(k) + z̄(−k)) / 2`, `b = (z(k) − z̄(−k)) / 2i`.
+    fn split(&self, spectrum: &[Complex<T>], mut visit: impl FnMut(usize, Complex<T>, Complex<T>)) {
+        let half = T::rounded(0.5);
+        for x in 0..self.columns {
+            let mirrored = (self.columns - x) % self.columns * self.rows;
+            for y in 0..self.rows {
+                let index = x * self.rows + y;
+                let (z, m) = (spectrum[index], spectrum[mirrored + (self.rows - y) % self.rows].conj());
+                let (sum, difference) = ((z + m).scale(half), (z - m).scale(half));
+                visit(index, sum, Complex::new(difference.im, -difference.re));
             }
-            let scratch = &mut scratch[..self.inverse_rows.get_scratch_len()];
-            let done = self.inverse_rows.process_with_scratch(line, row, scratch);
-            debug_assert!(done.is_ok(), "the lengths are the plan's own");
         }
     }
 }
@@ -158,15 +174,15 @@ pub struct Correlation<T: Real> {
     region: Region,
     boundary: Boundary,
     real_channels: usize,
-    /// `[channels, half columns, rows]`.
+    /// Joint spectra of two channels each, `[pairs, columns, rows]`.
     spectra: Vec<Complex<T>>,
     /// `[channels, lag rows, lag columns]`.
     values: Vec<T>,
     /// `[channels, region height, region width]`.
     gradients: Vec<T>,
     losses: Vec<f64>,
-    planes: Scratch<T>,
-    lines: Scratch<Complex<T>>,
+    /// Two planes and what the transforms need, for each thread.
+    scratch: Scratch<Complex<T>>,
 }
 
 fn plane_size(region: Region, lags: Lags, boundary: Boundary) -> (usize, usize) {
@@ -185,18 +201,16 @@ impl<T: Real> Correlation<T> {
     pub fn new(region: Region, lags: Lags, boundary: Boundary, real_channels: usize) -> Self {
         let (rows, columns) = plane_size(region, lags, boundary);
         let plane = Plane::new(rows, columns);
-        let half = plane.half();
         Self {
             lags,
             region,
             boundary,
             real_channels,
-            spectra: vec![Complex::default(); real_channels * half * rows],
+            spectra: vec![Complex::default(); real_channels.div_ceil(2) * plane.len()],
             values: vec![T::ZERO; real_channels * lags.count()],
             gradients: vec![T::ZERO; real_channels * region.pixels()],
             losses: vec![0.0; real_channels],
-            planes: Scratch::new(rows * columns),
-            lines: Scratch::new(half * rows + half + plane.scratch_len()),
+            scratch: Scratch::new(2 * plane.len() + plane.scratch_len()),
             plane,
         }
     }
@@ -205,9 +219,10 @@ impl<T: Real> Correlation<T> {
     #[must_use]
     pub fn bytes_for(region: Region, lags: Lags, boundary: Boundary, real_channels: usize) -> usize {
         let (rows, columns) = plane_size(region, lags, boundary);
-        let spectrum = 2 * rows * (columns / 2 + 1);
-        let shared = real_channels * (spectrum + lags.count() + region.pixels());
-        let own = (super::parallel::threads() + 1) * (rows * columns + 2 * spectrum);
+        let complex = 2 * rows * columns;
+        let shared = real_channels.div_ceil(2) * complex + real_channels * (lags.count() + region.pixels());
+        // A transform along a column of Bluestein's kind needs a few columns more.
+        let own = (super::parallel::threads() + 1) * (2 * complex + 8 * rows.max(columns));
         (shared + own) * size_of::<T>()
     }
 
@@ -232,39 +247,50 @@ impl<T: Real> Correlation<T> {
         (y * self.plane.columns + x, pairs as f64)
     }
 
+    /// Whether a row of a plane holds a lag.
+    fn holds_lag(&self, row: usize) -> bool {
+        let before = self.lags.rows / 2;
+        row < self.lags.rows - before || row >= self.plane.rows - before
+    }
+
     /// Measures an image `[height, width, channels]` before normalisation.
     pub fn measure(&mut self, image: &[T], width: usize, statistics: &Statistics<T>) {
         let channels = statistics.mean.len();
-        let (rows, half) = (self.plane.rows, self.plane.half());
+        let (len, count) = (self.plane.len(), self.lags.count());
         let mut spectra = std::mem::take(&mut self.spectra);
         let mut values = std::mem::take(&mut self.values);
-        for_each_chunk_pair(&mut spectra, rows * half, &mut values, self.lags.count(), |channel, spectrum, values| {
-            let (mean, inverse) = (statistics.mean[channel], statistics.inverse_deviation[channel]);
-            let mut plane = self.planes.mine();
-            let plane = &mut plane[..rows * self.plane.columns];
-            plane.fill(T::ZERO);
+        for_each_chunk_pair(&mut spectra, len, &mut values, 2 * count, |pair, spectrum, values| {
+            let first = 2 * pair;
+            let mut scratch = self.scratch.mine();
+            let (plane, rest) = scratch.split_at_mut(len);
+            let (power, scratch) = rest.split_at_mut(len);
+            plane.fill(Complex::default());
+            let activation = |pixel: usize, channel: usize| {
+                let mean = statistics.mean[channel];
+                let value = (image[pixel * channels + channel] - mean) * statistics.inverse_deviation[channel];
+                if value > T::ZERO { value } else { T::ZERO }
+            };
+            let paired = first + 1 < self.real_channels;
             for y in 0..self.region.height() {
                 for x in 0..self.region.width() {
-                    let at = (self.region.y0 + y) * width + self.region.x0 + x;
-                    let normalized = (image[at * channels + channel] - mean) * inverse;
-                    if normalized > T::ZERO {
-                        plane[y * self.plane.columns + x] = normalized;
-                    }
+                    let pixel = (self.region.y0 + y) * width + self.region.x0 + x;
+                    let second = if paired { activation(pixel, first + 1) } else { T::ZERO };
+                    plane[y * self.plane.columns + x] = Complex::new(activation(pixel, first), second);
                 }
             }
-            let mut lines = self.lines.mine();
-            let (power, rest) = lines.split_at_mut(half * rows);
-            let (line, scratch) = rest.split_at_mut(half);
-            self.plane.forward(plane, spectrum, line, scratch);
-            for (power, value) in power.iter_mut().zip(&*spectrum) {
-                *power = Complex::new(value.norm_sqr(), T::ZERO);
-            }
-            self.plane.inverse(power, plane, line, scratch);
-            let scale = 1.0 / (rows * self.plane.columns) as f64;
+            self.plane.forward(plane, spectrum, scratch, |row| row < self.region.height());
+            self.plane.split(spectrum, |index, a, b| power[index] = Complex::new(a.norm_sqr(), b.norm_sqr()));
+            self.plane.inverse(power, plane, scratch, |row| self.holds_lag(row));
+            let scale = 1.0 / len as f64;
             for i in 0..self.lags.rows {
                 for j in 0..self.lags.columns {
                     let (at, pairs) = self.lag(i, j);
-                    values[i * self.lags.columns + j] = plane[at] * T::rounded(scale / pairs);
+                    let scale = T::rounded(scale / pairs);
+                    let index = i * self.lags.columns + j;
+                    values[index] = plane[at].re * scale;
+                    if paired {
+                        values[count + index] = plane[at].im * scale;
+                    }
                 }
             }
         });
@@ -274,39 +300,51 @@ impl<T: Real> Correlation<T> {
 
     /// The loss against target autocorrelations of the same lags; also prepares [`Self::add_gradient`].
     pub fn loss(&mut self, target: &[T], weight: f64) -> f64 {
-        let (rows, half) = (self.plane.rows, self.plane.half());
-        let count = self.lags.count();
+        let (len, count, pixels) = (self.plane.len(), self.lags.count(), self.region.pixels());
         let mean = weight / (self.real_channels * count) as f64;
         let mut gradients = std::mem::take(&mut self.gradients);
         let mut losses = std::mem::take(&mut self.losses);
-        for_each_chunk_pair(&mut gradients, self.region.pixels(), &mut losses, 1, |channel, gradient, loss| {
-            let mut plane = self.planes.mine();
-            let plane = &mut plane[..rows * self.plane.columns];
-            plane.fill(T::ZERO);
-            let values = &self.values[channel * count..(channel + 1) * count];
-            let target = &target[channel * count..(channel + 1) * count];
-            let mut sum = 0.0;
-            for i in 0..self.lags.rows {
-                for j in 0..self.lags.columns {
-                    let difference = (values[i * self.lags.columns + j] - target[i * self.lags.columns + j]).wide();
-                    sum += difference * difference;
-                    let (at, pairs) = self.lag(i, j);
-                    plane[at] += T::rounded(2.0 * mean * difference / pairs);
+        for_each_chunk_pair(&mut gradients, 2 * pixels, &mut losses, 2, |pair, gradient, losses| {
+            let mut scratch = self.scratch.mine();
+            let (plane, rest) = scratch.split_at_mut(len);
+            let (slopes, scratch) = rest.split_at_mut(len);
+            plane.fill(Complex::default());
+            for (which, loss) in losses.iter_mut().enumerate() {
+                let lags = (2 * pair + which) * count..(2 * pair + which + 1) * count;
+                let (values, target) = (&self.values[lags.clone()], &target[lags]);
+                let mut sum = 0.0;
+                for i in 0..self.lags.rows {
+                    for j in 0..self.lags.columns {
+                        let index = i * self.lags.columns + j;
+                        let difference = (values[index] - target[index]).wide();
+                        sum += difference * difference;
+                        let (at, pairs) = self.lag(i, j);
+                        let slope = T::rounded(2.0 * mean * difference / pairs);
+                        if which == 0 {
+                            plane[at].re += slope;
+                        } else {
+                            plane[at].im += slope;
+                        }
+                    }
                 }
+                *loss = mean * sum;
             }
-            loss[0] = mean * sum;
-            let mut lines = self.lines.mine();
-            let (slopes, rest) = lines.split_at_mut(half * rows);
-            let (line, scratch) = rest.split_at_mut(half);
-            self.plane.forward(plane, slopes, line, scratch);
-            let spectrum = &self.spectra[channel * rows * half..(channel + 1) * rows * half];
-            let scale = T::rounded(2.0 / (rows * self.plane.columns) as f64);
-            for (slope, value) in slopes.iter_mut().zip(spectrum) {
-                *slope = value.scale(slope.re * scale);
-            }
-            self.plane.inverse(slopes, plane, line, scratch);
-            for (y, row) in gradient.chunks_exact_mut(self.region.width()).enumerate() {
-                row.copy_from_slice(&plane[y * self.plane.columns..][..self.region.width()]);
+            self.plane.forward(plane, slopes, scratch, |row| self.holds_lag(row));
+            // Both slopes are real signals; only the real parts of their transforms count. `plane` keeps them.
+            let scale = T::rounded(2.0 / len as f64);
+            self.plane.split(slopes, |index, a, b| plane[index] = Complex::new(a.re * scale, b.re * scale));
+            let spectrum = &self.spectra[pair * len..(pair + 1) * len];
+            self.plane.split(spectrum, |index, a, b| {
+                let (a, b) = (a.scale(plane[index].re), b.scale(plane[index].im));
+                slopes[index] = Complex::new(a.re - b.im, a.im + b.re);
+            });
+            self.plane.inverse(slopes, plane, scratch, |row| row < self.region.height());
+            for (which, gradient) in gradient.chunks_exact_mut(pixels).enumerate() {
+                for (y, row) in gradient.chunks_exact_mut(self.region.width()).enumerate() {
+                    for (value, from) in row.iter_mut().zip(&plane[y * self.plane.columns..]) {
+                        *value = if which == 0 { from.re } else { from.im };
+                    }
+                }
             }
         });
         self.gradients = gradients;
@@ -326,5 +364,32 @@ impl<T: Real> Correlation<T> {
                 }
             }
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transforms_of_any_length_match_the_definition() {
+        for len in [2, 3, 7, 10, 16, 20, 29, 36, 80, 96, 97] {
+            let signal: Vec<Complex<f64>> =
+                (0..len).map(|i| Complex::new((i * i % 7) as f64 - 2.0, (i % 5) as f64)).collect();
+            for (direction, sign) in [(FftDirection::Forward, -1.0), (FftDirection::Inverse, 1.0)] {
+                let mut ours = signal.clone();
+                plan::<f64>(len, direction).process(&mut ours);
+                for (k, value) in ours.iter().enumerate() {
+                    let sum: Complex<f64> = signal
+                        .iter()
+                        .enumerate()
+                        .map(|(i, v)| {
+                            v * Complex::from_polar(1.0, sign * std::f64::consts::TAU * (i * k) as f64 / len as f64)
+                        })
+                        .sum();
+                    assert!((value - sum).norm() < 1e-9, "length {len}, {k}: {value} {sum}");
+                }
+            }
+        }
     }
 }

@@ -4,6 +4,9 @@
 //! once per frequency and layer), their operands already lie contiguous along the lanes, and an iteration must not
 //! allocate. `cargo bench --bench products` times this kernel beside the `gemm` crate on the engine's shapes.
 
+#![expect(clippy::too_many_arguments, reason = "shapes and strides of three matrices, as BLAS has them")]
+#![expect(clippy::needless_range_loop, reason = "the index runs over several arrays at once, as in the formulas")]
+
 use super::lanes::LANES;
 use super::real::Real;
 

@@ -4,7 +4,7 @@ use std::fmt::{Debug, Display};
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-use realfft::FftNum;
+use rustfft::FftNum;
 
 /// A real number of the engine. Transcendentals go through `libm`, so that the tables of the Gabor stage are the same
 /// bits natively and in wasm.

@@ -5,6 +5,8 @@
 //! powers of two 8, 16 and 32 (Stockham's self-sorting scheme in radix 4, with a last radix-2 step where needed);
 //! `rustfft` is the oracle in the tests, and does the transforms of arbitrary length in the correlation stage.
 
+#![expect(clippy::needless_range_loop, reason = "the index runs over several arrays at once, as in the formulas")]
+
 use super::lanes::Lanes;
 use super::real::Real;
 
