@@ -1,7 +1,7 @@
 //! Same exemplar, parameters and seed: the same points, bit for bit, at any number of threads, in one go or saved and
 //! continued; and what the limits refuse.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
 
 use glam::DVec2;
 use pointweave::method::parameters::Start;

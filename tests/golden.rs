@@ -4,7 +4,7 @@
 //! In `f64` the two agree to rounding; in `f32`, which is what a run uses, to a few units in the last place of sums
 //! over a thousand terms. Every comparison is shown to be able to fail (`assert_close`).
 
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
 
 mod common;
 

@@ -19,10 +19,10 @@ use crate::domain::Boundary;
 
 use super::lanes::{self, Kernel, LANES, Lanes, padded};
 use super::parallel::{for_each_chunk, threads};
-use super::product::{self, Planar};
+use super::product;
 use super::real::Real;
 use super::scratch::Scratch;
-use super::tile_fft::{self, Signal, Twiddles};
+use super::tile_fft::{self, Signal, Transform, Twiddles};
 
 /// Side of a kernel.
 pub const KERNEL: usize = 7;
@@ -140,13 +140,19 @@ impl<T: Real> Filters<T> {
         filters
     }
 
-    fn transform<const N: usize>(&mut self, weights: &[f64], channels_in: usize, channels_out: usize) {
-        struct Transform<'a, T, const N: usize> {
+    fn transform<const N: usize>(&mut self, weights: &[f64], channels_in: usize, channels_out: usize)
+    where
+        Signal<T, N>: Transform<T, N>,
+    {
+        struct TransformKernels<'a, T, const N: usize> {
             tile: &'a [Lanes<T>],
             spectrum: &'a mut [Signal<T, N>],
             twiddles: &'a Twiddles<T, N>,
         }
-        impl<T: Real, const N: usize> Kernel for Transform<'_, T, N> {
+        impl<T: Real, const N: usize> Kernel for TransformKernels<'_, T, N>
+        where
+            Signal<T, N>: Transform<T, N>,
+        {
             #[inline(always)]
             fn run<const FMA: bool>(self) {
                 tile_fft::forward(self.tile, self.spectrum, self.twiddles);
@@ -174,7 +180,7 @@ impl<T: Real> Filters<T> {
                         }));
                     }
                 }
-                lanes::run(Transform { tile: &tile, spectrum: &mut spectrum, twiddles: &twiddles });
+                lanes::run(TransformKernels { tile: &tile, spectrum: &mut spectrum, twiddles: &twiddles });
                 for ky in 0..N {
                     for (kx, column) in spectrum[..=N / 2].iter().enumerate() {
                         let at = ((ky * (N / 2 + 1) + kx) * 2 * c_in + from) * c_out + group;
@@ -236,7 +242,7 @@ pub struct Workspace<T> {
 fn workspace_lens(geometry: &Geometry, tile: Tile, channels_in: usize, channels_out: usize) -> [usize; 3] {
     let widest = padded(channels_in).max(padded(channels_out));
     let transformed = geometry.tiles(tile) * tile.frequencies() * 2 * widest;
-    let operands = 2 * (geometry.tiles(tile) * widest + padded(channels_in) * padded(channels_out));
+    let operands = product::packed_len(geometry.tiles(tile), widest) + 2 * padded(channels_in) * padded(channels_out);
     [transformed, transformed, operands]
 }
 
@@ -313,7 +319,10 @@ impl Convolution {
         source: Source<T>,
         direction: Direction,
         workspace: &mut Workspace<T>,
-    ) {
+    ) where
+        Signal<T, N>: Transform<T, N>,
+        Signal<T, HALF>: Transform<T, HALF>,
+    {
         let decimated = direction == Direction::Gradient && self.geometry.stride == 2;
         let (height, width) = if direction == Direction::Forward {
             (self.geometry.height, self.geometry.width)
@@ -356,7 +365,7 @@ impl Convolution {
         for_each_chunk(&mut products[first * len..frequencies.end * len], len, |offset, out| {
             let frequency = first + offset;
             let mut operands = operands.mine();
-            let (x, rest) = operands.split_at_mut(2 * tiles * inner);
+            let (x, rest) = operands.split_at_mut(product::packed_len(tiles, inner));
             let w_len = 2 * self.channels_in * self.channels_out;
             lanes::run(Multiply {
                 transformed,
@@ -387,7 +396,10 @@ impl Convolution {
         direction: Direction,
         workspace: &Workspace<T>,
         out: &mut [T],
-    ) {
+    ) where
+        Signal<T, N>: Transform<T, N>,
+        Signal<T, HALF>: Transform<T, HALF>,
+    {
         let channels = self.outer(direction);
         let tiles = self.geometry.tiles(self.tile);
         let columns = self.geometry.tile_grid(self.tile).1;
@@ -472,7 +484,10 @@ struct TransformFull<'a, T, const N: usize> {
     out: &'a mut [T],
 }
 
-impl<T: Real, const N: usize> Kernel for TransformFull<'_, T, N> {
+impl<T: Real, const N: usize> Kernel for TransformFull<'_, T, N>
+where
+    Signal<T, N>: Transform<T, N>,
+{
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let channels = self.image.channels;
@@ -500,7 +515,10 @@ struct TransformDecimated<'a, T, const N: usize, const HALF: usize> {
     out: &'a mut [T],
 }
 
-impl<T: Real, const N: usize, const HALF: usize> Kernel for TransformDecimated<'_, T, N, HALF> {
+impl<T: Real, const N: usize, const HALF: usize> Kernel for TransformDecimated<'_, T, N, HALF>
+where
+    Signal<T, HALF>: Transform<T, HALF>,
+{
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let channels = self.image.channels;
@@ -551,23 +569,20 @@ impl<T: Real> Kernel for Multiply<'_, T> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self { tiles, inner, outer, .. } = self;
-        let row = 2 * inner;
-        for (tile, x) in self.x.chunks_exact_mut(row).take(tiles).enumerate() {
-            let at = (tile * self.frequencies + self.frequency) * row;
-            x.copy_from_slice(&self.transformed[at..at + row]);
+        for tile in 0..tiles {
+            let at = (tile * self.frequencies + self.frequency) * 2 * inner;
+            let (re, im) = self.transformed[at..at + 2 * inner].split_at(inner);
+            product::pack_row(re, im, tile, self.x);
         }
-        let x = Planar { data: self.x, imaginary: inner, stride: row };
-        let imaginary = inner * outer;
         if self.direction == Direction::Forward {
             // Correlation, not convolution: the conjugate of the filter's spectrum.
-            let w = Planar { data: self.filters, imaginary, stride: outer };
-            product::complex::<T, FMA>(x, w, tiles, inner, outer, -T::ONE, self.out);
+            product::complex::<T, true, FMA>(self.x, self.filters, tiles, inner, outer, self.out);
         } else {
-            for (from, to) in self.filters.chunks_exact(imaginary).zip(self.transposed.chunks_exact_mut(imaginary)) {
+            let plane = inner * outer;
+            for (from, to) in self.filters.chunks_exact(plane).zip(self.transposed.chunks_exact_mut(plane)) {
                 transpose(from, to, outer, inner);
             }
-            let w = Planar { data: self.transposed, imaginary, stride: outer };
-            product::complex::<T, FMA>(x, w, tiles, inner, outer, T::ONE, self.out);
+            product::complex::<T, false, FMA>(self.x, self.transposed, tiles, inner, outer, self.out);
         }
     }
 }
@@ -613,7 +628,10 @@ struct InverseFull<'a, T, const N: usize> {
     rows: &'a mut [T],
 }
 
-impl<T: Real, const N: usize> Kernel for InverseFull<'_, T, N> {
+impl<T: Real, const N: usize> Kernel for InverseFull<'_, T, N>
+where
+    Signal<T, N>: Transform<T, N>,
+{
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let channels = self.product.channels;
@@ -651,7 +669,10 @@ struct InverseDecimated<'a, T, const N: usize, const HALF: usize> {
     rows: &'a mut [T],
 }
 
-impl<T: Real, const N: usize, const HALF: usize> Kernel for InverseDecimated<'_, T, N, HALF> {
+impl<T: Real, const N: usize, const HALF: usize> Kernel for InverseDecimated<'_, T, N, HALF>
+where
+    Signal<T, HALF>: Transform<T, HALF>,
+{
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let channels = self.product.channels;

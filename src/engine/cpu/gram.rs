@@ -6,7 +6,7 @@
 use super::lanes::{self, Kernel, LANES};
 use super::normalization::{Activate, Region, Statistics};
 use super::parallel::{for_each_chunk, for_each_chunk_pair};
-use super::product::{self, Strided};
+use super::product;
 use super::real::Real;
 use super::scratch::Scratch;
 
@@ -38,7 +38,7 @@ impl<T: Real> Gram<T> {
             matrix: vec![0.0; channels * channels],
             partial: vec![T::ZERO; PARTS * channels * channels],
             slope: vec![T::ZERO; channels * channels],
-            blocks: Scratch::new(BLOCK * channels),
+            blocks: Scratch::new((BLOCK + product::REAL_ROWS) * channels),
         }
     }
 
@@ -47,7 +47,8 @@ impl<T: Real> Gram<T> {
     pub fn bytes_for(channels: usize) -> usize {
         let matrix = channels * channels;
         matrix * size_of::<f64>()
-            + ((PARTS + 1) * matrix + (super::parallel::threads() + 1) * BLOCK * channels) * size_of::<T>()
+            + ((PARTS + 1) * matrix + (super::parallel::threads() + 1) * (BLOCK + product::REAL_ROWS) * channels)
+                * size_of::<T>()
     }
 
     /// The matrix last made, `[channels, channels]` with padded channels.
@@ -131,8 +132,7 @@ impl<T: Real> Kernel for MeasureBlock<'_, T> {
             out: block,
         }
         .run::<FMA>();
-        let transposed = Strided { data: block, row_stride: 1, inner_stride: channels };
-        product::real::<T, FMA>(transposed, block, channels, channels, count, channels, self.sum, true);
+        product::add_square::<T, FMA>(block, channels, self.sum);
     }
 }
 
@@ -150,7 +150,7 @@ impl<T: Real> Kernel for GradientBlock<'_, T> {
     fn run<const FMA: bool>(self) {
         let Self { channels, statistics, .. } = self;
         let count = self.pixels.len() / channels;
-        let block = &mut self.block[..count * channels];
+        let (block, packed) = self.block.split_at_mut(count * channels);
         Activate {
             image: self.pixels,
             mean: &statistics.mean,
@@ -158,8 +158,7 @@ impl<T: Real> Kernel for GradientBlock<'_, T> {
             out: block,
         }
         .run::<FMA>();
-        let x = Strided { data: block, row_stride: channels, inner_stride: 1 };
-        product::real::<T, FMA>(x, self.slope, channels, count, channels, channels, self.gradient, false);
+        product::add_product::<T, FMA>(block, self.slope, channels, packed, self.gradient);
     }
 }
 

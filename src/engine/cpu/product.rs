@@ -4,204 +4,180 @@
 //! once per frequency and layer), their operands already lie contiguous along the lanes, and an iteration must not
 //! allocate. `cargo bench --bench products` times this kernel beside the `gemm` crate on the engine's shapes.
 
-#![expect(clippy::too_many_arguments, reason = "shapes and strides of three matrices, as BLAS has them")]
-#![expect(clippy::needless_range_loop, reason = "the index runs over several arrays at once, as in the formulas")]
-
 use super::lanes::LANES;
 use super::real::Real;
 
-/// Rows of a register block of the complex product: 3 × 16 × 2 accumulators fill twelve of sixteen vector registers.
-const COMPLEX_ROWS: usize = 3;
-/// Rows of a register block of the real product.
-const REAL_ROWS: usize = 6;
-/// Columns of a register block.
-const COLUMNS: usize = 2 * LANES;
+/// Rows of a register block of the complex product: with eight columns, real and imaginary parts, its sums fill twelve
+/// of sixteen vector registers.
+const ROWS: usize = 6;
 
 #[inline(always)]
 fn multiply_add<T: Real, const FMA: bool>(a: T, b: T, c: T) -> T {
     if FMA { a.fused(b, c) } else { a * b + c }
 }
 
-/// A complex matrix whose real and imaginary parts are two real ones in the same buffer.
-#[derive(Clone, Copy)]
-pub struct Planar<'a, T> {
-    /// The buffer.
-    pub data: &'a [T],
-    /// Distance from a real part to its imaginary part.
-    pub imaginary: usize,
-    /// Distance from a row to the next. Columns are adjacent.
-    pub stride: usize,
+/// A left operand in blocks of [`ROWS`] rows: `[block, inner, re | im, ROWS]`, the last block filled up with zeros. One
+/// step of the inner product then reads one contiguous piece.
+pub const fn packed_len(rows: usize, inner: usize) -> usize {
+    rows.div_ceil(ROWS) * inner * 2 * ROWS
+}
+
+/// Packs row `row` of a left operand: its real parts, then its imaginary ones.
+#[inline(always)]
+pub fn pack_row<T: Real>(re: &[T], im: &[T], row: usize, packed: &mut [T]) {
+    let block = &mut packed[row / ROWS * re.len() * 2 * ROWS..];
+    for ((step, re), im) in block.chunks_exact_mut(2 * ROWS).zip(re).zip(im) {
+        step[row % ROWS] = *re;
+        step[ROWS + row % ROWS] = *im;
+    }
 }
 
 #[inline(always)]
-fn complex_block<T: Real, const ROWS: usize, const COLS: usize, const FMA: bool>(
-    x: Planar<T>,
-    first: usize,
-    w: Planar<T>,
-    column: usize,
-    inner: usize,
-    sign: T,
-    y: &mut [T],
-    y_imaginary: usize,
-    y_stride: usize,
-) {
-    let mut re = [[T::ZERO; COLS]; ROWS];
-    let mut im = [[T::ZERO; COLS]; ROWS];
-    let x_re: [&[T]; ROWS] = std::array::from_fn(|row| &x.data[(first + row) * x.stride..][..inner]);
-    let x_im: [&[T]; ROWS] = std::array::from_fn(|row| &x.data[x.imaginary + (first + row) * x.stride..][..inner]);
-    for k in 0..inner {
-        let (Some(w_re), Some(w_im)) = (
-            w.data[k * w.stride + column..].first_chunk::<COLS>(),
-            w.data[w.imaginary + k * w.stride + column..].first_chunk::<COLS>(),
-        ) else {
-            return;
-        };
+fn complex_block<T: Real, const CONJUGATE: bool, const FMA: bool>(
+    x: &[T],
+    w_re: &[T],
+    w_im: &[T],
+    stride: usize,
+) -> [[[T; LANES]; ROWS]; 2] {
+    let mut re = [[T::ZERO; LANES]; ROWS];
+    let mut im = [[T::ZERO; LANES]; ROWS];
+    for ((step, w_re), w_im) in x.chunks_exact(2 * ROWS).zip(w_re.chunks(stride)).zip(w_im.chunks(stride)) {
+        let (Some(w_re), Some(w_im)) = (w_re.first_chunk::<LANES>(), w_im.first_chunk::<LANES>()) else { break };
         for row in 0..ROWS {
-            let (a, b) = (x_re[row][k], x_im[row][k]);
-            let (minus_b, plus_a) = (-sign * b, sign * a);
-            for col in 0..COLS {
-                re[row][col] =
-                    multiply_add::<T, FMA>(minus_b, w_im[col], multiply_add::<T, FMA>(a, w_re[col], re[row][col]));
-                im[row][col] =
-                    multiply_add::<T, FMA>(plus_a, w_im[col], multiply_add::<T, FMA>(b, w_re[col], im[row][col]));
+            let (a, b) = (step[row], step[ROWS + row]);
+            let (a_signed, b_signed) = if CONJUGATE { (-a, b) } else { (a, -b) };
+            for col in 0..LANES {
+                re[row][col] = multiply_add::<T, FMA>(a, w_re[col], re[row][col]);
+                im[row][col] = multiply_add::<T, FMA>(b, w_re[col], im[row][col]);
+            }
+            for col in 0..LANES {
+                re[row][col] = multiply_add::<T, FMA>(b_signed, w_im[col], re[row][col]);
+                im[row][col] = multiply_add::<T, FMA>(a_signed, w_im[col], im[row][col]);
             }
         }
     }
-    for row in 0..ROWS {
-        let at = (first + row) * y_stride + column;
-        y[at..at + COLS].copy_from_slice(&re[row]);
-        y[y_imaginary + at..y_imaginary + at + COLS].copy_from_slice(&im[row]);
-    }
+    [re, im]
 }
 
-/// `Y = X · W` for complex `X` (`rows × inner`) and `W` (`inner × columns`, a multiple of [`LANES`] columns); with
-/// `sign` −1 instead of 1, `W` is conjugated. `y` holds the real parts (`rows × columns`), then the imaginary ones.
+/// `Y = X · W` for complex `X` (`rows × inner`, packed) and `W` (`inner × columns`, a multiple of [`LANES`] columns:
+/// all real parts, then all imaginary ones), or `X · W̄`. `y` holds the real parts (`rows × columns`), then the
+/// imaginary ones.
 #[inline(always)]
-pub fn complex<T: Real, const FMA: bool>(
-    x: Planar<T>,
-    w: Planar<T>,
-    rows: usize,
-    inner: usize,
-    columns: usize,
-    sign: T,
-    y: &mut [T],
-) {
-    let y_imaginary = rows * columns;
-    let mut column = 0;
-    while column < columns {
-        let wide = columns - column >= COLUMNS;
-        let mut row = 0;
-        while row < rows {
-            let tall = rows - row >= COMPLEX_ROWS;
-            match (tall, wide) {
-                (true, true) => complex_block::<T, COMPLEX_ROWS, COLUMNS, FMA>(
-                    x,
-                    row,
-                    w,
-                    column,
-                    inner,
-                    sign,
-                    y,
-                    y_imaginary,
-                    columns,
-                ),
-                (true, false) => complex_block::<T, COMPLEX_ROWS, LANES, FMA>(
-                    x,
-                    row,
-                    w,
-                    column,
-                    inner,
-                    sign,
-                    y,
-                    y_imaginary,
-                    columns,
-                ),
-                (false, true) => {
-                    complex_block::<T, 1, COLUMNS, FMA>(x, row, w, column, inner, sign, y, y_imaginary, columns);
-                }
-                (false, false) => {
-                    complex_block::<T, 1, LANES, FMA>(x, row, w, column, inner, sign, y, y_imaginary, columns);
-                }
-            }
-            row += if tall { COMPLEX_ROWS } else { 1 };
-        }
-        column += if wide { COLUMNS } else { LANES };
-    }
-}
-
-/// A real left operand with any strides: element `(row, k)` is `data[row · row_stride + k · inner_stride]`.
-#[derive(Clone, Copy)]
-pub struct Strided<'a, T> {
-    /// The buffer.
-    pub data: &'a [T],
-    /// Distance from a row to the next.
-    pub row_stride: usize,
-    /// Distance from a column to the next.
-    pub inner_stride: usize,
-}
-
-#[inline(always)]
-fn real_block<T: Real, const ROWS: usize, const COLS: usize, const FMA: bool>(
-    x: Strided<T>,
-    first: usize,
+pub fn complex<T: Real, const CONJUGATE: bool, const FMA: bool>(
+    x: &[T],
     w: &[T],
-    w_stride: usize,
-    column: usize,
-    inner: usize,
-    y: &mut [T],
-    y_stride: usize,
-) {
-    let mut sum = [[T::ZERO; COLS]; ROWS];
-    for row in 0..ROWS {
-        let at = (first + row) * y_stride + column;
-        sum[row].copy_from_slice(&y[at..at + COLS]);
-    }
-    for k in 0..inner {
-        let Some(w_row) = w[k * w_stride + column..].first_chunk::<COLS>() else { return };
-        for row in 0..ROWS {
-            let a = x.data[(first + row) * x.row_stride + k * x.inner_stride];
-            for col in 0..COLS {
-                sum[row][col] = multiply_add::<T, FMA>(a, w_row[col], sum[row][col]);
-            }
-        }
-    }
-    for row in 0..ROWS {
-        let at = (first + row) * y_stride + column;
-        y[at..at + COLS].copy_from_slice(&sum[row]);
-    }
-}
-
-/// `Y += X · W` for real `X` (`rows × inner`) and `W` (`inner × columns`, rows `w_stride` apart); only columns from
-/// `first_column(row block)` on are made, which is how a symmetric product skips its lower half.
-#[inline(always)]
-pub fn real<T: Real, const FMA: bool>(
-    x: Strided<T>,
-    w: &[T],
-    w_stride: usize,
     rows: usize,
     inner: usize,
     columns: usize,
     y: &mut [T],
-    upper_only: bool,
 ) {
+    let (y_re, y_im) = y.split_at_mut(rows * columns);
+    let (w_re, w_im) = w.split_at(inner * columns);
+    for column in (0..columns).step_by(LANES) {
+        let (w_re, w_im) = (&w_re[column..], &w_im[column..]);
+        for (block, x) in x.chunks_exact(inner * 2 * ROWS).enumerate().take(rows.div_ceil(ROWS)) {
+            let [re, im] = complex_block::<T, CONJUGATE, FMA>(x, w_re, w_im, columns);
+            let count = ROWS.min(rows - block * ROWS);
+            let at = block * ROWS * columns + column;
+            store(&re, count, &mut y_re[at..], columns);
+            store(&im, count, &mut y_im[at..], columns);
+        }
+    }
+}
+
+#[inline(always)]
+fn store<T: Real>(block: &[[T; LANES]; ROWS], count: usize, y: &mut [T], stride: usize) {
+    for (line, row) in block.iter().zip(y.chunks_mut(stride)).take(count) {
+        row[..LANES].copy_from_slice(line);
+    }
+}
+
+/// Sum over the steps k of the inner product of `x[k · step …]` (one value a row) times `w[k · stride …]`.
+#[inline(always)]
+fn real_block<T: Real, const TALL: usize, const COLS: usize, const FMA: bool>(
+    x: &[T],
+    step: usize,
+    w: &[T],
+    stride: usize,
+) -> [[T; COLS]; TALL] {
+    let mut sum = [[T::ZERO; COLS]; TALL];
+    for (x, w) in x.chunks(step).zip(w.chunks(stride)) {
+        let (Some(x), Some(w)) = (x.first_chunk::<TALL>(), w.first_chunk::<COLS>()) else { break };
+        for row in 0..TALL {
+            for col in 0..COLS {
+                sum[row][col] = multiply_add::<T, FMA>(x[row], w[col], sum[row][col]);
+            }
+        }
+    }
+    sum
+}
+
+/// Adds a block of sums to the first `count` rows of `y`.
+#[inline(always)]
+fn add<T: Real, const COLS: usize>(block: &[[T; COLS]], y: &mut [T], stride: usize) {
+    for (line, y) in block.iter().zip(y.chunks_mut(stride)) {
+        for (y, value) in y.iter_mut().zip(line) {
+            *y += *value;
+        }
+    }
+}
+
+/// Rows of a block of [`add_product`].
+pub const REAL_ROWS: usize = 6;
+
+/// `Y += X · W` for real `X` (`rows × columns`) and square `W` (`columns × columns`, a multiple of [`LANES`]). `X` is
+/// packed into `packed` (at least `columns` times `rows` rounded up to [`REAL_ROWS`]) on the way.
+#[inline(always)]
+pub fn add_product<T: Real, const FMA: bool>(x: &[T], w: &[T], columns: usize, packed: &mut [T], y: &mut [T]) {
+    let blocks = x.chunks(REAL_ROWS * columns).zip(y.chunks_mut(REAL_ROWS * columns));
+    for (x, y) in blocks {
+        let count = x.len() / columns;
+        let packed = &mut packed[..REAL_ROWS * columns];
+        for (row, x) in x.chunks_exact(columns).enumerate() {
+            for (step, value) in packed.chunks_exact_mut(REAL_ROWS).zip(x) {
+                step[row] = *value;
+            }
+        }
+        let mut column = 0;
+        while column + 2 * LANES <= columns {
+            let block = real_block::<T, REAL_ROWS, { 2 * LANES }, FMA>(packed, REAL_ROWS, &w[column..], columns);
+            add(&block[..count], &mut y[column..], columns);
+            column += 2 * LANES;
+        }
+        if column < columns {
+            let block = real_block::<T, REAL_ROWS, LANES, FMA>(packed, REAL_ROWS, &w[column..], columns);
+            add(&block[..count], &mut y[column..], columns);
+        }
+    }
+}
+
+/// `Y += Xᵀ · X` for real `X` (`rows × columns`, a multiple of [`LANES`] columns). Only blocks on and above the
+/// diagonal are made.
+#[inline(always)]
+pub fn add_square<T: Real, const FMA: bool>(x: &[T], columns: usize, y: &mut [T]) {
     let mut row = 0;
-    while row < rows {
-        let tall = rows - row >= REAL_ROWS;
-        let mut column = if upper_only { row / LANES * LANES } else { 0 };
+    while row < columns {
+        let tall = columns - row >= REAL_ROWS;
+        let mut column = row / LANES * LANES;
         while column < columns {
-            let wide = columns - column >= COLUMNS;
+            let wide = columns - column >= 2 * LANES;
+            let (left, right) = (&x[row..], &x[column..]);
+            let y = &mut y[row * columns + column..];
             match (tall, wide) {
                 (true, true) => {
-                    real_block::<T, REAL_ROWS, COLUMNS, FMA>(x, row, w, w_stride, column, inner, y, columns);
+                    add(&real_block::<T, REAL_ROWS, { 2 * LANES }, FMA>(left, columns, right, columns), y, columns);
                 }
                 (true, false) => {
-                    real_block::<T, REAL_ROWS, LANES, FMA>(x, row, w, w_stride, column, inner, y, columns);
+                    add(&real_block::<T, REAL_ROWS, LANES, FMA>(left, columns, right, columns), y, columns);
                 }
-                (false, true) => real_block::<T, 1, COLUMNS, FMA>(x, row, w, w_stride, column, inner, y, columns),
-                (false, false) => real_block::<T, 1, LANES, FMA>(x, row, w, w_stride, column, inner, y, columns),
+                // A multiple of eight leaves two or four rows over.
+                (false, true) => {
+                    add(&real_block::<T, 2, { 2 * LANES }, FMA>(left, columns, right, columns), y, columns)
+                }
+                (false, false) => add(&real_block::<T, 2, LANES, FMA>(left, columns, right, columns), y, columns),
             }
-            column += if wide { COLUMNS } else { LANES };
+            column += if wide { 2 * LANES } else { LANES };
         }
-        row += if tall { REAL_ROWS } else { 1 };
+        row += if tall { REAL_ROWS } else { 2 };
     }
 }

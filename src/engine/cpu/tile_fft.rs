@@ -51,74 +51,101 @@ impl<T: Real, const N: usize> Signal<T, N> {
     pub const ZERO: Self = Self { re: [Lanes::ZERO; N], im: [Lanes::ZERO; N] };
 }
 
-/// One radix-4 step of Stockham's scheme: sub-transforms of length `n`, interleaved with stride `s`.
+/// One radix-4 step of Stockham's scheme: sub-transforms of length 4 · `QUARTER`, interleaved with stride `S`.
 #[inline(always)]
-fn radix4<T: Real, const N: usize, const INVERSE: bool>(
+fn radix4<T: Real, const N: usize, const QUARTER: usize, const S: usize, const INVERSE: bool>(
     from: &Signal<T, N>,
     to: &mut Signal<T, N>,
-    n: usize,
-    s: usize,
     tw: &Twiddles<T, N>,
 ) {
-    let quarter = n / 4;
-    for p in 0..quarter {
-        for q in 0..s {
-            let at = |j: usize| q + s * (p + j * quarter);
-            let (ar, ai) = (from.re[at(0)], from.im[at(0)]);
-            let (br, bi) = (from.re[at(1)], from.im[at(1)]);
-            let (cr, ci) = (from.re[at(2)], from.im[at(2)]);
-            let (dr, di) = (from.re[at(3)], from.im[at(3)]);
+    const { assert!(4 * QUARTER * S == N) };
+    for p in 0..QUARTER {
+        let w: [(T, T); 3] = std::array::from_fn(|j| {
+            let k = (j + 1) * p * S;
+            (tw.re[k], if INVERSE { -tw.im[k] } else { tw.im[k] })
+        });
+        for q in 0..S {
+            let at: [usize; 4] = std::array::from_fn(|j| q + S * (p + j * QUARTER));
+            let to_at: [usize; 4] = std::array::from_fn(|j| q + S * (4 * p + j));
+            let (ar, ai) = (from.re[at[0]], from.im[at[0]]);
+            let (br, bi) = (from.re[at[1]], from.im[at[1]]);
+            let (cr, ci) = (from.re[at[2]], from.im[at[2]]);
+            let (dr, di) = (from.re[at[3]], from.im[at[3]]);
             let (sum_r, sum_i) = (ar + cr, ai + ci);
             let (dif_r, dif_i) = (ar - cr, ai - ci);
             let (odd_r, odd_i) = (br + dr, bi + di);
             // ∓i (b − d): the sign turns with the direction.
             let (turn_r, turn_i) = if INVERSE { (di - bi, br - dr) } else { (bi - di, dr - br) };
-            let to_at = |j: usize| q + s * (4 * p + j);
-            to.re[to_at(0)] = sum_r + odd_r;
-            to.im[to_at(0)] = sum_i + odd_i;
+            to.re[to_at[0]] = sum_r + odd_r;
+            to.im[to_at[0]] = sum_i + odd_i;
             let parts =
                 [(dif_r + turn_r, dif_i + turn_i), (sum_r - odd_r, sum_i - odd_i), (dif_r - turn_r, dif_i - turn_i)];
-            for (j, (re, im)) in parts.into_iter().enumerate() {
-                let k = (j + 1) * p * s;
-                if k == 0 {
-                    to.re[to_at(j + 1)] = re;
-                    to.im[to_at(j + 1)] = im;
+            for j in 0..3 {
+                let (re, im) = parts[j];
+                // The first sub-transform's factors are all 1.
+                let (re, im) = if p == 0 {
+                    (re, im)
                 } else {
-                    let (wr, wi) = (tw.re[k], if INVERSE { -tw.im[k] } else { tw.im[k] });
-                    to.re[to_at(j + 1)] = re.scale(wr) - im.scale(wi);
-                    to.im[to_at(j + 1)] = re.scale(wi) + im.scale(wr);
-                }
+                    (re.scale(w[j].0) - im.scale(w[j].1), re.scale(w[j].1) + im.scale(w[j].0))
+                };
+                to.re[to_at[j + 1]] = re;
+                to.im[to_at[j + 1]] = im;
             }
         }
     }
 }
 
-/// Complex transform in place, not normalised. `N` is 8, 16 or 32.
+/// What is left at the end: N / 2 transforms of length 2, from `from`.
 #[inline(always)]
-pub fn fft<T: Real, const N: usize, const INVERSE: bool>(x: &mut Signal<T, N>, tw: &Twiddles<T, N>) {
-    const { assert!(N == 8 || N == 16 || N == 32) };
-    let mut y = Signal::<T, N>::ZERO;
-    radix4::<T, N, INVERSE>(x, &mut y, N, 1, tw);
-    if N == 16 {
-        radix4::<T, N, INVERSE>(&y, x, N / 4, 4, tw);
-        return;
+fn radix2<T: Real, const N: usize>(from: &Signal<T, N>, to: &mut Signal<T, N>) {
+    for q in 0..N / 2 {
+        let (a, b) = (q, q + N / 2);
+        to.re[a] = from.re[a] + from.re[b];
+        to.im[a] = from.im[a] + from.im[b];
+        to.re[b] = from.re[a] - from.re[b];
+        to.im[b] = from.im[a] - from.im[b];
     }
-    let last = if N == 32 {
-        radix4::<T, N, INVERSE>(&y, x, N / 4, 4, tw);
-        &*x
-    } else {
-        &y
-    };
-    // What is left are N / 2 transforms of length 2.
-    let half = N / 2;
-    let mut out = Signal::<T, N>::ZERO;
-    for q in 0..half {
-        out.re[q] = last.re[q] + last.re[q + half];
-        out.im[q] = last.im[q] + last.im[q + half];
-        out.re[q + half] = last.re[q] - last.re[q + half];
-        out.im[q + half] = last.im[q] - last.im[q + half];
+}
+
+/// The same in place.
+#[inline(always)]
+fn radix2_in_place<T: Real, const N: usize>(x: &mut Signal<T, N>) {
+    for q in 0..N / 2 {
+        let (a, b) = (q, q + N / 2);
+        (x.re[a], x.re[b]) = (x.re[a] + x.re[b], x.re[a] - x.re[b]);
+        (x.im[a], x.im[b]) = (x.im[a] + x.im[b], x.im[a] - x.im[b]);
     }
-    *x = out;
+}
+
+/// A signal of one of the three sizes.
+pub trait Transform<T, const N: usize> {
+    /// Complex transform in place, not normalised; `scratch` is overwritten.
+    fn transform<const INVERSE: bool>(&mut self, scratch: &mut Self, tw: &Twiddles<T, N>);
+}
+
+impl<T: Real> Transform<T, 8> for Signal<T, 8> {
+    #[inline(always)]
+    fn transform<const INVERSE: bool>(&mut self, scratch: &mut Self, tw: &Twiddles<T, 8>) {
+        radix4::<T, 8, 2, 1, INVERSE>(self, scratch, tw);
+        radix2(scratch, self);
+    }
+}
+
+impl<T: Real> Transform<T, 16> for Signal<T, 16> {
+    #[inline(always)]
+    fn transform<const INVERSE: bool>(&mut self, scratch: &mut Self, tw: &Twiddles<T, 16>) {
+        radix4::<T, 16, 4, 1, INVERSE>(self, scratch, tw);
+        radix4::<T, 16, 1, 4, INVERSE>(scratch, self, tw);
+    }
+}
+
+impl<T: Real> Transform<T, 32> for Signal<T, 32> {
+    #[inline(always)]
+    fn transform<const INVERSE: bool>(&mut self, scratch: &mut Self, tw: &Twiddles<T, 32>) {
+        radix4::<T, 32, 8, 1, INVERSE>(self, scratch, tw);
+        radix4::<T, 32, 2, 4, INVERSE>(scratch, self, tw);
+        radix2_in_place(self);
+    }
 }
 
 /// Half spectrum of a real `N × N` tile: column `kx` (0 … N/2) holds the frequencies `ky` 0 … N−1.
@@ -128,13 +155,17 @@ pub type HalfSpectrum<T, const N: usize> = [Signal<T, N>];
 /// Forward transform of a real tile (`N × N`, row-major). The result is **twice** the Fourier transform: the halving
 /// that separates two rows transformed as one is left to whoever scales anyway.
 #[inline(always)]
-pub fn forward<T: Real, const N: usize>(tile: &[Lanes<T>], spectrum: &mut HalfSpectrum<T, N>, tw: &Twiddles<T, N>) {
+pub fn forward<T: Real, const N: usize>(tile: &[Lanes<T>], spectrum: &mut HalfSpectrum<T, N>, tw: &Twiddles<T, N>)
+where
+    Signal<T, N>: Transform<T, N>,
+{
+    let mut scratch = Signal::<T, N>::ZERO;
     let mut z = Signal::<T, N>::ZERO;
     for (pair, rows) in tile.chunks_exact(2 * N).enumerate() {
         let (a, b) = (2 * pair, 2 * pair + 1);
         z.re.copy_from_slice(&rows[..N]);
         z.im.copy_from_slice(&rows[N..]);
-        fft::<T, N, false>(&mut z, tw);
+        z.transform::<false>(&mut scratch, tw);
         for k in 0..=N / 2 {
             let mirror = (N - k) % N;
             let column = &mut spectrum[k];
@@ -145,7 +176,7 @@ pub fn forward<T: Real, const N: usize>(tile: &[Lanes<T>], spectrum: &mut HalfSp
         }
     }
     for column in &mut spectrum[..=N / 2] {
-        fft::<T, N, false>(column, tw);
+        column.transform::<false>(&mut scratch, tw);
     }
 }
 
@@ -158,9 +189,12 @@ pub fn inverse<T: Real, const N: usize>(
     first_row: usize,
     end_row: usize,
     tw: &Twiddles<T, N>,
-) {
+) where
+    Signal<T, N>: Transform<T, N>,
+{
+    let mut scratch = Signal::<T, N>::ZERO;
     for column in &mut spectrum[..=N / 2] {
-        fft::<T, N, true>(column, tw);
+        column.transform::<true>(&mut scratch, tw);
     }
     let mut z = Signal::<T, N>::ZERO;
     for pair in first_row / 2..end_row.div_ceil(2) {
@@ -174,7 +208,7 @@ pub fn inverse<T: Real, const N: usize>(
                 z.im[N - k] = column.re[b] - column.im[a];
             }
         }
-        fft::<T, N, true>(&mut z, tw);
+        z.transform::<true>(&mut scratch, tw);
         tile[a * N..(a + 1) * N].copy_from_slice(&z.re);
         tile[b * N..(b + 1) * N].copy_from_slice(&z.im);
     }
@@ -192,7 +226,10 @@ mod tests {
         (0..N * N).map(|_| Lanes(std::array::from_fn(|_| rng.range(-1.0, 1.0)))).collect()
     }
 
-    fn against_rustfft<const N: usize>() {
+    fn against_rustfft<const N: usize>()
+    where
+        Signal<f64, N>: Transform<f64, N>,
+    {
         let tile = random_tile::<N>();
         let mut spectrum = vec![Signal::<f64, N>::ZERO; N];
         let tw = Twiddles::new();
