@@ -73,12 +73,12 @@ fn print_table(report: &Report, peak_mb: Option<f64>) {
     let all: f64 = report.stages.values().sum();
     for name in stage_names() {
         if let Some(seconds) = report.stages.get(name) {
-            println!("{name:<24}{seconds:>10.4} s {:>6.1} %", 100.0 * seconds / all);
+            println!("{name:<34}{seconds:>10.4} s {:>6.1} %", 100.0 * seconds / all);
         }
     }
-    println!("{:<24}{:>10.4} s  median", "iteration", report.seconds_per_iteration);
-    println!("{:<24}{:>10.1} GFLOP/s of direct convolution", "effective rate", report.effective_gflops);
-    print!("{:<24}{:>10.0} MB estimated", "memory", report.estimated_mb);
+    println!("{:<34}{:>10.4} s  median", "iteration", report.seconds_per_iteration);
+    println!("{:<34}{:>10.1} GFLOP/s of direct convolution", "effective rate", report.effective_gflops);
+    print!("{:<34}{:>10.0} MB estimated", "memory", report.estimated_mb);
     match peak_mb {
         Some(peak) => println!(", {peak:.0} MB at the peak"),
         None => println!(),

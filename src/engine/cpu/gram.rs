@@ -5,7 +5,7 @@
 
 use super::lanes::{self, Kernel, LANES};
 use super::normalization::{Activate, Region, Statistics};
-use super::parallel::{for_each_chunk, for_each_chunk_pair};
+use super::parallel::for_each_chunk;
 use super::product;
 use super::real::Real;
 use super::scratch::Scratch;
@@ -99,15 +99,15 @@ impl<T: Real> Gram<T> {
         weight * sum
     }
 
-    /// Adds dL/dF to `gradient` `[height, width, channels]`, for the image and statistics last measured.
-    pub fn add_gradient(&self, image: &[T], statistics: &Statistics<T>, gradient: &mut [T]) {
-        let channels = self.channels;
-        for_each_chunk(gradient, BLOCK * channels, |index, gradient| {
-            let start = index * BLOCK * channels;
-            let pixels = &image[start..start + gradient.len()];
-            let mut block = self.blocks.mine();
-            lanes::run(GradientBlock { pixels, statistics, channels, block: &mut block, slope: &self.slope, gradient });
-        });
+    /// Adds dL/dF of some pixels, `[pixel, channels]`, to `gradient`, for the loss last taken. `image` is before
+    /// normalisation with this `mean` and `inverse_deviation`.
+    pub fn add_gradient(&self, image: &[T], mean: &[T], inverse_deviation: &[T], gradient: &mut [T]) {
+        let len = BLOCK * self.channels;
+        let mut block = self.blocks.mine();
+        for (pixels, gradient) in image.chunks(len).zip(gradient.chunks_mut(len)) {
+            let slope = &self.slope;
+            lanes::run(GradientBlock { pixels, mean, inverse_deviation, block: &mut block, slope, gradient });
+        }
     }
 }
 
@@ -138,8 +138,8 @@ impl<T: Real> Kernel for MeasureBlock<'_, T> {
 
 struct GradientBlock<'a, T> {
     pixels: &'a [T],
-    statistics: &'a Statistics<T>,
-    channels: usize,
+    mean: &'a [T],
+    inverse_deviation: &'a [T],
     block: &'a mut [T],
     slope: &'a [T],
     gradient: &'a mut [T],
@@ -148,27 +148,11 @@ struct GradientBlock<'a, T> {
 impl<T: Real> Kernel for GradientBlock<'_, T> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self { channels, statistics, .. } = self;
-        let count = self.pixels.len() / channels;
-        let (block, packed) = self.block.split_at_mut(count * channels);
-        Activate {
-            image: self.pixels,
-            mean: &statistics.mean,
-            inverse_deviation: &statistics.inverse_deviation,
-            out: block,
-        }
-        .run::<FMA>();
-        product::add_product::<T, FMA>(block, self.slope, channels, packed, self.gradient);
+        let Self { pixels, mean, inverse_deviation, .. } = self;
+        let (block, packed) = self.block.split_at_mut(pixels.len());
+        Activate { image: pixels, mean, inverse_deviation, out: block }.run::<FMA>();
+        product::add_product::<T, FMA>(block, self.slope, mean.len(), packed, self.gradient);
     }
 }
 
 const _: () = assert!(BLOCK.is_multiple_of(LANES));
-
-/// Adds one list to another, in parallel.
-pub fn add<T: Real>(to: &mut [T], from: &mut [T]) {
-    for_each_chunk_pair(to, 1 << 14, from, 1 << 14, |_, to, from| {
-        for (a, b) in to.iter_mut().zip(from) {
-            *a += *b;
-        }
-    });
-}

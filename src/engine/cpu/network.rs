@@ -116,9 +116,7 @@ pub enum Stage {
     Gram,
     /// Deep correlation, loss and gradient.
     Correlation,
-    /// Gradient of the Gram losses.
-    GramGradient,
-    /// Gradient through normalisation and ReLU.
+    /// Gradient of the Gram losses and through normalisation and ReLU.
     NormalizationGradient,
     /// Gradient through the convolutions.
     ConvolutionGradient,
@@ -128,13 +126,12 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in their order.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::Gabor,
         Self::Convolution,
         Self::Normalization,
         Self::Gram,
         Self::Correlation,
-        Self::GramGradient,
         Self::NormalizationGradient,
         Self::ConvolutionGradient,
         Self::GaborGradient,
@@ -149,8 +146,7 @@ impl Stage {
             Self::Normalization => "normalization",
             Self::Gram => "gram",
             Self::Correlation => "correlation",
-            Self::GramGradient => "gram gradient",
-            Self::NormalizationGradient => "normalization gradient",
+            Self::NormalizationGradient => "normalization and gram gradient",
             Self::ConvolutionGradient => "convolution gradient",
             Self::GaborGradient => "gabor gradient",
         }
@@ -168,7 +164,7 @@ enum Step {
     Gram(usize),
     Correlate,
     CorrelationLoss,
-    Gradient(usize),
+    CorrelationGradient,
     Normalize(usize),
     Points,
 }
@@ -183,8 +179,7 @@ impl Step {
             },
             Self::Measure(_) => Stage::Normalization,
             Self::Gram(_) => Stage::Gram,
-            Self::Correlate | Self::CorrelationLoss => Stage::Correlation,
-            Self::Gradient(_) => Stage::GramGradient,
+            Self::Correlate | Self::CorrelationLoss | Self::CorrelationGradient => Stage::Correlation,
             Self::Normalize(_) => Stage::NormalizationGradient,
             Self::Points => Stage::GaborGradient,
         }
@@ -393,19 +388,18 @@ impl<T: Real> Evaluation<T> {
                     self.loss.correlation = self.correlation.loss(&targets.correlations, self.weights[1]);
                 }
             }
-            Step::Gradient(layer) => {
-                let len = self.images[layer].len();
+            Step::CorrelationGradient => {
+                let len = self.images[LAYERS - 1].len();
                 let gradient = &mut self.gradient[..len];
-                if layer == LAYERS - 1 {
-                    for_each_chunk(gradient, 1 << 14, |_, chunk| chunk.fill(T::ZERO));
-                    self.correlation.add_gradient(gradient, padded(self.network.channels));
-                }
-                self.grams[layer - 1].add_gradient(&self.images[layer], &self.statistics[layer], gradient);
+                for_each_chunk(gradient, 1 << 14, |_, chunk| chunk.fill(T::ZERO));
+                self.correlation.add_gradient(gradient, padded(self.network.channels));
             }
             Step::Normalize(layer) => {
                 let len = self.images[layer].len();
                 let width = self.sizes[layer + 1].1;
-                self.statistics[layer].backward(&self.images[layer], &mut self.gradient[..len], width);
+                // The first layer has no Gram loss.
+                let gram = layer.checked_sub(1).map(|gram| &self.grams[gram]);
+                self.statistics[layer].backward(&self.images[layer], &mut self.gradient[..len], width, gram);
             }
             Step::Points => {}
         }
@@ -483,10 +477,8 @@ fn program(convolutions: &[Convolution], with_gradient: bool) -> Vec<Step> {
     steps.push(Step::Correlate);
     if with_gradient {
         steps.push(Step::CorrelationLoss);
+        steps.push(Step::CorrelationGradient);
         for layer in (0..LAYERS).rev() {
-            if layer > 0 {
-                steps.push(Step::Gradient(layer));
-            }
             steps.push(Step::Normalize(layer));
             convolve(&mut steps, layer, Direction::Gradient);
         }

@@ -5,6 +5,7 @@
 //! ε gates channels that hardly respond: the first layer's variances are of its order (1e-6 … 1e-4), so the scale of
 //! the Gabor maps matters.
 
+use super::gram::Gram;
 use super::lanes::{self, Kernel, LANES, Lanes};
 use super::parallel::{for_each_chunk, for_each_chunk_pair};
 use super::real::Real;
@@ -108,21 +109,22 @@ impl<T: Real> Statistics<T> {
     /// Backward through ReLU and normalisation, in place: `gradient` holds dL/da on entry and dL/dy on return.
     ///
     /// With `g = dL/da` where `x̂ > 0`, else 0: `dL/dy = (g − mean(g) − x̂ · mean(g · x̂)) / √(σ² + ε)`.
-    pub fn backward(&mut self, image: &[T], gradient: &mut [T], width: usize) {
+    ///
+    /// The gradient of a Gram loss on the same activations is added on the way, row by row, while the row is in the
+    /// cache.
+    pub fn backward(&mut self, image: &[T], gradient: &mut [T], width: usize, gram: Option<&Gram<T>>) {
         let channels = self.channels;
         let row_len = width * channels;
         let rows = image.len() / row_len;
         let (mean, inverse) = (&self.mean, &self.inverse_deviation);
-        for_each_chunk_pair(
-            &mut self.partial[..rows * 2 * channels],
-            2 * channels,
-            gradient,
-            row_len,
-            |row, sums, gradient| {
-                let image = &image[row * row_len..(row + 1) * row_len];
-                lanes::run(BackwardSums { image, gradient, mean, inverse, channels, sums });
-            },
-        );
+        let partial = &mut self.partial[..rows * 2 * channels];
+        for_each_chunk_pair(partial, 2 * channels, gradient, row_len, |row, sums, gradient| {
+            let image = &image[row * row_len..(row + 1) * row_len];
+            if let Some(gram) = gram {
+                gram.add_gradient(image, mean, inverse, gradient);
+            }
+            lanes::run(BackwardSums { image, gradient, mean, inverse, channels, sums });
+        });
         // The sums over all rows, in order, end up in the first row's place.
         let (total, rest) = self.partial.split_at_mut(2 * channels);
         for row in rest.chunks_exact(2 * channels).take(rows - 1) {
@@ -166,10 +168,16 @@ impl<T: Real> Kernel for MeasureRow<'_, T> {
     }
 }
 
-/// Σ g and Σ g · x̂ of a row, and the mask of the ReLU applied to the gradient.
+/// The gradient where the ReLU lets it through, else 0.
+#[inline(always)]
+fn masked<T: Real>(gradient: Lanes<T>, normalized: Lanes<T>) -> Lanes<T> {
+    Lanes(std::array::from_fn(|lane| if normalized.0[lane] > T::ZERO { gradient.0[lane] } else { T::ZERO }))
+}
+
+/// Σ g and Σ g · x̂ of a row.
 struct BackwardSums<'a, T> {
     image: &'a [T],
-    gradient: &'a mut [T],
+    gradient: &'a [T],
     mean: &'a [T],
     inverse: &'a [T],
     channels: usize,
@@ -183,18 +191,11 @@ impl<T: Real> Kernel for BackwardSums<'_, T> {
         for group in (0..channels).step_by(LANES) {
             let (mean, inverse) = (Lanes::load(&self.mean[group..]), Lanes::load(&self.inverse[group..]));
             let (mut sum, mut product) = (Lanes::ZERO, Lanes::ZERO);
-            for (y, g) in self.image[group..].chunks(channels).zip(self.gradient[group..].chunks_mut(channels)) {
+            for (y, g) in self.image[group..].chunks(channels).zip(self.gradient[group..].chunks(channels)) {
                 let normalized = (Lanes::load(y) - mean) * inverse;
-                let given = Lanes::load(g);
-                let masked: Lanes<T> =
-                    Lanes(std::array::from_fn(
-                        |lane| {
-                            if normalized.0[lane] > T::ZERO { given.0[lane] } else { T::ZERO }
-                        },
-                    ));
-                masked.store(g);
-                sum = sum + masked;
-                product = product + masked * normalized;
+                let gradient = masked(Lanes::load(g), normalized);
+                sum = sum + gradient;
+                product = product + gradient * normalized;
             }
             for lane in 0..LANES {
                 self.sums[group + lane] = sum.0[lane].wide();
@@ -226,7 +227,8 @@ impl<T: Real> Kernel for BackwardApply<'_, T> {
             let (mean_g, mean_product): (Lanes<T>, Lanes<T>) = (average(0), average(1));
             for (y, g) in self.image[group..].chunks(channels).zip(self.gradient[group..].chunks_mut(channels)) {
                 let normalized = (Lanes::load(y) - mean) * inverse;
-                ((Lanes::load(g) - mean_g - normalized * mean_product) * inverse).store(g);
+                let gradient = masked(Lanes::load(g), normalized);
+                ((gradient - mean_g - normalized * mean_product) * inverse).store(g);
             }
         }
     }
