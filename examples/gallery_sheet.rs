@@ -47,7 +47,7 @@ struct Arguments {
     /// Seed of the runs.
     #[arg(long)]
     seed: Option<u64>,
-    /// Boundary of the outputs, open or periodic; the preset's when left out.
+    /// Boundary of the outputs, open or periodic; each exemplar's own when left out.
     #[arg(long, value_parser = boundary)]
     boundary: Option<Boundary>,
     /// Only these entries.
@@ -70,13 +70,13 @@ fn main() -> Result<()> {
     let entries = chosen(&arguments.only)?;
     let mut parameters = Parameters::preset(arguments.preset);
     parameters.seed = arguments.seed.unwrap_or(parameters.seed);
-    parameters.boundary = arguments.boundary.unwrap_or(parameters.boundary);
 
     fs::create_dir_all(&arguments.folder)
         .with_context(|| format!("the folder {} can't be made", arguments.folder.display()))?;
     let mut cells = Vec::new();
     let mut failures = Vec::new();
     for entry in &entries {
+        parameters.boundary = arguments.boundary.unwrap_or_else(|| entry.exemplar().boundary());
         let name = format!(
             "{}-{}-{}-{}.png",
             entry.name,
