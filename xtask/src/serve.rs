@@ -1,6 +1,6 @@
 //! A server for this machine: the page's files with the headers the page is written for.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Write};
 use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
 use std::path::{Component, Path, PathBuf};
@@ -8,31 +8,34 @@ use std::sync::Arc;
 use std::thread;
 
 use anyhow::{Context, Result, anyhow, bail};
+use axum::Router;
+use axum::body::Body;
+use axum::extract::Request;
+use axum::http::{HeaderName, HeaderValue, Method, StatusCode};
+use axum::response::Response;
 use clap::Args;
 use percent_encoding::percent_decode_str;
-use tiny_http::{Header, Method, Request, Response, Server};
+use tokio::sync::oneshot;
 
 use crate::web;
 
-/// Requests answered at the same time; a browser opens six connections.
-const WORKERS: usize = 6;
 /// Ports tried after the one asked for, before the system chooses.
 const NEIGHBOURS: u16 = 20;
 
 /// Sent with every answer. The isolation pair lets the page measure time finely and share memory; the policy lets in
 /// nothing but the page's own files. Nothing is cached: the next build must be what the next reload shows.
 const HEADERS: [(&str, &str); 7] = [
-    ("Cross-Origin-Opener-Policy", "same-origin"),
-    ("Cross-Origin-Embedder-Policy", "require-corp"),
-    ("Cross-Origin-Resource-Policy", "same-origin"),
+    ("cross-origin-opener-policy", "same-origin"),
+    ("cross-origin-embedder-policy", "require-corp"),
+    ("cross-origin-resource-policy", "same-origin"),
     (
-        "Content-Security-Policy",
+        "content-security-policy",
         "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; \
          style-src 'self'; img-src 'self' blob: data:; base-uri 'none'; form-action 'none'",
     ),
-    ("X-Content-Type-Options", "nosniff"),
-    ("Referrer-Policy", "no-referrer"),
-    ("Cache-Control", "no-store"),
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cache-control", "no-store"),
 ];
 
 /// Options of `cargo xtask serve`.
@@ -82,9 +85,9 @@ impl Mount {
 
 /// A server at work in the background.
 pub(crate) struct Running {
-    server: Arc<Server>,
     address: SocketAddr,
-    workers: Vec<thread::JoinHandle<()>>,
+    stop: oneshot::Sender<()>,
+    thread: thread::JoinHandle<Result<()>>,
 }
 
 impl Running {
@@ -92,21 +95,10 @@ impl Running {
     pub(crate) fn start(host: &str, port: u16, mounts: Vec<Mount>) -> Result<Self> {
         let listener = listen(host, port)?;
         let address = listener.local_addr()?;
-        let server =
-            Server::from_listener(listener, None).map_err(|error| anyhow!("the server can't start: {error}"))?;
-        let (server, mounts) = (Arc::new(server), Arc::new(mounts));
-        let workers = (0..WORKERS)
-            .map(|_| {
-                let (server, mounts) = (Arc::clone(&server), Arc::clone(&mounts));
-                thread::spawn(move || {
-                    // An error here means that the server was told to stop.
-                    while let Ok(request) = server.recv() {
-                        answer(request, &mounts);
-                    }
-                })
-            })
-            .collect();
-        Ok(Self { server, address, workers })
+        listener.set_nonblocking(true)?;
+        let (stop, stopped) = oneshot::channel();
+        let thread = thread::spawn(move || serve(listener, mounts, stopped));
+        Ok(Self { address, stop, thread })
     }
 
     /// Where a browser finds it.
@@ -114,20 +106,38 @@ impl Running {
         format!("http://{}", self.address)
     }
 
+    /// Serves until the process is ended.
     fn wait(self) -> Result<()> {
-        for worker in self.workers {
-            worker.join().map_err(|_| anyhow!("a worker of the server gave up"))?;
-        }
-        Ok(())
+        // Kept: dropping it would stop the server.
+        let _stop = self.stop;
+        self.thread.join().map_err(|_| anyhow!("the server gave up"))?
     }
 
     /// Stops listening.
     pub(crate) fn stop(self) -> Result<()> {
-        for _ in 0..WORKERS {
-            self.server.unblock();
-        }
-        self.wait()
+        // The server may have ended by itself; joining it tells.
+        let _ = self.stop.send(());
+        self.thread.join().map_err(|_| anyhow!("the server gave up"))?
     }
+}
+
+/// Answers requests on this thread until told to stop.
+fn serve(listener: TcpListener, mounts: Vec<Mount>, stopped: oneshot::Receiver<()>) -> Result<()> {
+    let mounts = Arc::new(mounts);
+    let router = Router::new().fallback(move |request: Request| {
+        let mounts = Arc::clone(&mounts);
+        async move { answer(&request, &mounts) }
+    });
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    runtime.block_on(async {
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        let server = axum::serve(listener, router).into_future();
+        // Connections that a browser keeps open must not delay the end: no graceful shutdown.
+        tokio::select! {
+            outcome = server => outcome.map_err(anyhow::Error::from),
+            _ = stopped => Ok(()),
+        }
+    })
 }
 
 fn listen(host: &str, port: u16) -> Result<TcpListener> {
@@ -146,33 +156,28 @@ fn listen(host: &str, port: u16) -> Result<TcpListener> {
     bail!("no free port on {host}")
 }
 
-fn answer(request: Request, mounts: &[Mount]) {
-    let outcome = match request.method() {
-        Method::Get | Method::Head => resolve(request.url(), mounts).and_then(open),
+fn answer(request: &Request, mounts: &[Mount]) -> Response {
+    let outcome = match *request.method() {
+        Method::GET | Method::HEAD => {
+            let target = request.uri().path_and_query().map_or("", |target| target.as_str());
+            resolve(target, mounts).and_then(open)
+        }
         _ => Err(Refusal::Method),
     };
-    let sent = match outcome {
-        Ok((file, kind)) => request.respond(with_headers(Response::from_file(file), kind)),
+    match outcome {
+        Ok((bytes, kind)) => respond(StatusCode::OK, kind, bytes),
         Err(refusal) => {
             let (status, words) = refusal.status();
-            let response = Response::from_string(words).with_status_code(status);
-            request.respond(with_headers(response, "text/plain; charset=utf-8"))
-        }
-    };
-    if let Err(error) = sent {
-        // A browser that leaves in the middle of a file is no trouble of ours.
-        if !matches!(error.kind(), io::ErrorKind::BrokenPipe | io::ErrorKind::ConnectionReset) {
-            eprintln!("An answer could not be sent: {error}");
+            respond(status, "text/plain; charset=utf-8", words.into())
         }
     }
 }
 
-fn with_headers<R: io::Read>(mut response: Response<R>, kind: &str) -> Response<R> {
-    for (name, value) in HEADERS.into_iter().chain([("Content-Type", kind)]) {
-        // All of them are constants of this file, so none is ever left out; a test holds them to it.
-        if let Ok(header) = Header::from_bytes(name, value) {
-            response.add_header(header);
-        }
+fn respond(status: StatusCode, kind: &'static str, bytes: Vec<u8>) -> Response {
+    let mut response = Response::new(Body::from(bytes));
+    *response.status_mut() = status;
+    for (name, value) in HEADERS.into_iter().chain([("content-type", kind)]) {
+        response.headers_mut().insert(HeaderName::from_static(name), HeaderValue::from_static(value));
     }
     response
 }
@@ -186,11 +191,11 @@ enum Refusal {
 }
 
 impl Refusal {
-    fn status(self) -> (u16, &'static str) {
+    fn status(self) -> (StatusCode, &'static str) {
         match self {
-            Self::Path => (400, "This path is not one of the page's.\n"),
-            Self::Missing => (404, "There is no such file.\n"),
-            Self::Method => (405, "Only GET and HEAD are answered.\n"),
+            Self::Path => (StatusCode::BAD_REQUEST, "This path is not one of the page's.\n"),
+            Self::Missing => (StatusCode::NOT_FOUND, "There is no such file.\n"),
+            Self::Method => (StatusCode::METHOD_NOT_ALLOWED, "Only GET and HEAD are answered.\n"),
         }
     }
 }
@@ -228,9 +233,9 @@ fn resolve(target: &str, mounts: &[Mount]) -> Result<PathBuf, Refusal> {
     if file.is_file() { Ok(file) } else { Err(Refusal::Missing) }
 }
 
-fn open(path: PathBuf) -> Result<(File, &'static str), Refusal> {
+fn open(path: PathBuf) -> Result<(Vec<u8>, &'static str), Refusal> {
     let kind = media_type(&path);
-    fs::File::open(path).map(|file| (file, kind)).map_err(|_| Refusal::Missing)
+    fs::read(path).map(|bytes| (bytes, kind)).map_err(|_| Refusal::Missing)
 }
 
 /// The media type of a file, by the end of its name. Browsers refuse modules of another type.
@@ -349,15 +354,6 @@ mod tests {
         assert_eq!(media_type(Path::new("README")), "application/octet-stream");
     }
 
-    #[test]
-    fn every_header_is_valid() {
-        let response = with_headers(Response::from_string(""), "text/html");
-        for (name, value) in HEADERS {
-            let found = response.headers().iter().find(|header| header.field.as_str() == name);
-            assert_eq!(found.unwrap().value.as_str(), value);
-        }
-    }
-
     fn ask(address: SocketAddr, request: &str) -> String {
         let mut stream = TcpStream::connect(address).unwrap();
         stream.write_all(request.as_bytes()).unwrap();
@@ -378,7 +374,7 @@ mod tests {
         let end = "HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n";
         let page = ask(address, &format!("GET / {end}"));
         assert!(page.starts_with("HTTP/1.1 200") && page.ends_with("<p>page"), "{page}");
-        assert!(page.contains("Content-Type: text/html; charset=utf-8\r\n"), "{page}");
+        assert!(page.contains("content-type: text/html; charset=utf-8\r\n"), "{page}");
         for (name, value) in HEADERS {
             assert!(page.contains(&format!("{name}: {value}\r\n")), "{name} in {page}");
         }
@@ -387,6 +383,28 @@ mod tests {
         assert!(ask(address, &format!("GET /../secret.txt {end}")).starts_with("HTTP/1.1 400"));
         assert!(ask(address, &format!("GET /none {end}")).starts_with("HTTP/1.1 404"));
         assert!(ask(address, &format!("DELETE / {end}")).starts_with("HTTP/1.1 405"));
+        server.stop().unwrap();
+    }
+
+    /// Browsers open several connections at once and keep all of them: none may wait for another to end.
+    #[test]
+    fn many_open_connections_are_all_answered() {
+        let site = Site::new("many");
+        let server = Running::start("127.0.0.1", 0, site.mounts()).unwrap();
+        let mut streams: Vec<TcpStream> = (0..24).map(|_| TcpStream::connect(server.address).unwrap()).collect();
+        for stream in &mut streams {
+            stream.set_read_timeout(Some(std::time::Duration::from_secs(20))).unwrap();
+            stream.write_all(b"GET /app/main.js HTTP/1.1\r\nHost: a\r\n\r\n").unwrap();
+        }
+        for stream in &mut streams {
+            let mut answer = Vec::new();
+            let mut buffer = [0; 2048];
+            while !answer.ends_with(b"run()") {
+                let count = stream.read(&mut buffer).unwrap();
+                assert_ne!(count, 0, "closed early: {}", String::from_utf8_lossy(&answer));
+                answer.extend_from_slice(&buffer[..count]);
+            }
+        }
         server.stop().unwrap();
     }
 }
