@@ -216,7 +216,7 @@ impl Synthesis {
             exemplar_classes[usize::from(class)].push(*position);
         }
         let run = Self {
-            schedule: Schedule::new(&parameters, spacing, output_size),
+            schedule: Schedule::new(&parameters, spacing, density(&exemplar), output_size),
             exemplar_classes,
             output_size,
             output_domain,
@@ -260,7 +260,7 @@ impl Synthesis {
         let last = self.classes().saturating_sub(1);
         let area = parameters.expansion_x * parameters.expansion_y;
         let points = (self.exemplar.len() as f64 * area).ceil() as usize;
-        Schedule::new(parameters, spacing, output_size)
+        Schedule::new(parameters, spacing, density(&self.exemplar), output_size)
             .scales
             .iter()
             .map(|scale| {
@@ -616,4 +616,10 @@ impl Synthesis {
     pub fn boundary(&self) -> Boundary {
         self.parameters.boundary
     }
+}
+
+/// Points per unit area, in exemplar units.
+fn density(exemplar: &PointPattern) -> f64 {
+    let size = exemplar.domain().size_in_exemplar_units();
+    exemplar.len() as f64 / (size.x * size.y)
 }

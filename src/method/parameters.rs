@@ -141,10 +141,16 @@ pub struct Parameters {
     pub grid_max: u32,
     /// Coarse scales use a coarser grid, as long as their σ keeps this many pixels; 0 keeps one grid for all scales.
     pub coarse_sigma_px: f64,
+    /// The finest σ keeps at least this many pixels, or the maps can't tell close points apart; 0 means no limit.
+    pub fine_sigma_px: f64,
     /// How many scales, from coarse to fine.
     pub scales: u32,
     /// The coarsest σ is d divided by this (the paper's c₁).
     pub sigma_coarse_divisor: f64,
+    /// Unless 0, the coarsest σ is this many times the side of the square that one exemplar point has to itself
+    /// (1 / √density), and c₁ is not used. Where points cluster or line up, d says how close neighbours stand, but
+    /// not how large the structures are.
+    pub sigma_coarse_cells: f64,
     /// The finest σ is d divided by this (the paper's c₂).
     pub sigma_fine_divisor: f64,
     /// The non-zero Gabor frequency, in cycles per exemplar unit.
@@ -218,7 +224,7 @@ impl Range {
 
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
-    pub const RANGES: [Range; 22] = [
+    pub const RANGES: [Range; 24] = [
         real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
         real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
         whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
@@ -237,8 +243,15 @@ impl Parameters {
             16.0,
             "Coarse scales use a coarser grid while σ keeps this many pixels; 0 means never.",
         ),
+        real("fine-sigma-px", 0.0, 8.0, "The narrowest σ keeps at least this many pixels."),
         whole("scales", 1.0, 8.0, "Steps from coarse structure to fine placement."),
         real("sigma-coarse-divisor", 0.1, 8.0, "The widest σ is the mean spacing divided by this (c₁)."),
+        real(
+            "sigma-coarse-cells",
+            0.0,
+            8.0,
+            "The widest σ in sides of the square each point has to itself; 0 uses c₁.",
+        ),
         real("sigma-fine-divisor", 0.1, 8.0, "The narrowest σ is the mean spacing divided by this (c₂)."),
         real("frequency", 0.0, 16.0, "Cycles of the Gabor waves per exemplar side."),
         real("jitter-px", 0.0, 2.0, "How far rows and columns of the grid wander between iterations, in pixels."),
@@ -269,8 +282,10 @@ impl Parameters {
             self.grid_min.into(),
             self.grid_max.into(),
             self.coarse_sigma_px,
+            self.fine_sigma_px,
             self.scales.into(),
             self.sigma_coarse_divisor,
+            self.sigma_coarse_cells,
             self.sigma_fine_divisor,
             self.frequency,
             self.jitter_px,
@@ -300,8 +315,10 @@ impl Parameters {
             grid_min: 128,
             grid_max: 256,
             coarse_sigma_px: 0.0,
+            fine_sigma_px: 0.0,
             scales: 4,
             sigma_coarse_divisor: 0.8,
+            sigma_coarse_cells: 0.0,
             sigma_fine_divisor: 2.6,
             frequency: 1.5,
             jitter_px: 1.0,
@@ -321,8 +338,9 @@ impl Parameters {
             Preset::Balanced => Self {
                 margin_sigmas: 2.0,
                 channels: 48,
-                sigma_coarse_divisor: 0.5,
+                sigma_coarse_cells: 1.16,
                 coarse_sigma_px: 7.0,
+                fine_sigma_px: 2.5,
                 pixels_per_spacing: 8.0,
                 grid_min: 48,
                 grid_max: 160,
@@ -336,8 +354,9 @@ impl Parameters {
             Preset::Fast => Self {
                 margin_sigmas: 2.0,
                 channels: 32,
-                sigma_coarse_divisor: 0.5,
+                sigma_coarse_cells: 1.16,
                 coarse_sigma_px: 7.0,
+                fine_sigma_px: 2.5,
                 pixels_per_spacing: 7.0,
                 grid_min: 32,
                 grid_max: 128,

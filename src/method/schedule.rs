@@ -29,16 +29,22 @@ pub struct Schedule {
 const LEAST_RESOLUTION: f64 = 24.0;
 
 impl Schedule {
-    /// The ladder for an exemplar of mean spacing `spacing` and an output of `output_size`, both in exemplar units.
+    /// The ladder for an exemplar of mean spacing `spacing` and `density` points per unit area, and an output of
+    /// `output_size`, all in exemplar units.
     ///
     /// σ falls linearly from d/c₁ to d/c₂; the grid has `clamp(round(pixels_per_spacing / d), grid_min, grid_max)`
     /// pixels per exemplar side (Huang et al. 2022, §4.4).
     #[must_use]
-    pub fn new(parameters: &Parameters, spacing: f64, output_size: DVec2) -> Self {
+    pub fn new(parameters: &Parameters, spacing: f64, density: f64, output_size: DVec2) -> Self {
         let p = parameters;
-        let coarse = spacing / p.sigma_coarse_divisor;
-        let fine = spacing / p.sigma_fine_divisor;
         let finest_grid = (p.pixels_per_spacing / spacing).round().clamp(p.grid_min.into(), p.grid_max.into());
+        let fine = (spacing / p.sigma_fine_divisor).max(p.fine_sigma_px / finest_grid);
+        let coarse = if p.sigma_coarse_cells > 0.0 {
+            p.sigma_coarse_cells / density.sqrt()
+        } else {
+            spacing / p.sigma_coarse_divisor
+        }
+        .max(fine);
         let unit = match p.learning_rate_unit {
             LearningRateUnit::OutputSide => output_size.max_element(),
             LearningRateUnit::Spacing => spacing,
@@ -89,7 +95,7 @@ mod tests {
     #[test]
     fn the_paper_s_ladder() {
         let parameters = Parameters::preset(Preset::Paper);
-        let schedule = Schedule::new(&parameters, 0.1, DVec2::splat(2.0));
+        let schedule = Schedule::new(&parameters, 0.1, 100.0, DVec2::splat(2.0));
         let sigmas: Vec<f64> = schedule.scales.iter().map(|s| s.sigma).collect();
         assert_eq!(sigmas.len(), 4);
         assert!((sigmas[0] - 0.125).abs() < 1e-12 && (sigmas[3] - 0.1 / 2.6).abs() < 1e-12);
@@ -98,8 +104,25 @@ mod tests {
         assert!(schedule.scales.iter().all(|s| s.resolution == 128.0), "9 / 0.1 = 90 is clamped to 128");
         let rates: Vec<f64> = schedule.scales.iter().map(|s| s.learning_rate).collect();
         assert_eq!(rates, [0.01, 0.004, 0.004, 0.004]);
-        let dense = Schedule::new(&parameters, 0.05, DVec2::splat(2.0));
+        let dense = Schedule::new(&parameters, 0.05, 400.0, DVec2::splat(2.0));
         assert!(dense.scales.iter().all(|s| s.resolution == 180.0), "9 / 0.05");
+    }
+
+    #[test]
+    fn the_ladder_follows_the_size_of_structures_where_asked() {
+        let parameters = Parameters {
+            sigma_coarse_cells: 1.16,
+            coarse_sigma_px: 7.0,
+            fine_sigma_px: 2.5,
+            grid_max: 128,
+            ..Parameters::preset(Preset::Paper)
+        };
+        // A cluster: neighbours a fiftieth apart, a hundred points.
+        let schedule = Schedule::new(&parameters, 0.02, 100.0, DVec2::splat(2.0));
+        let (first, last) = (schedule.scales[0], schedule.scales[3]);
+        assert!((first.sigma - 0.116).abs() < 1e-12, "{}", first.sigma);
+        assert!((last.sigma - 2.5 / 128.0).abs() < 1e-12, "{}", last.sigma);
+        assert_eq!((first.resolution, last.resolution), (60.0, 128.0));
     }
 
     #[test]
