@@ -20,7 +20,7 @@ pub(super) fn phyllotaxis(seed: u64) -> Sample {
     Sample::window(points)
 }
 
-/// Concentric circles 0.1 apart, the points along each half as far apart, seen through a square. The seed turns each
+/// Concentric circles 0.11 apart, the points along each 0.07 apart, seen through a square. The seed turns each
 /// circle.
 pub(super) fn concentric(seed: u64) -> Sample {
     let mut rng = random(seed);
