@@ -112,8 +112,8 @@ pub enum Start {
 pub enum LearningRateUnit {
     /// The longer side of the output (the paper's).
     OutputSide,
-    /// The exemplar's mean spacing d, so that a rate transfers between patterns of different density.
-    Spacing,
+    /// σ of the scale: steps shrink with what the scale can tell apart, and a rate suits every pattern.
+    Sigma,
 }
 
 /// Everything that, with an exemplar, decides the result. Lengths are in exemplar units (the longer side of the
@@ -344,9 +344,9 @@ impl Parameters {
                 pixels_per_spacing: 8.0,
                 grid_min: 48,
                 grid_max: 160,
-                learning_rate_coarse: 0.08,
-                learning_rate_fine: 0.03,
-                learning_rate_unit: LearningRateUnit::Spacing,
+                learning_rate_coarse: 0.04,
+                learning_rate_fine: 0.04,
+                learning_rate_unit: LearningRateUnit::Sigma,
                 iterations_coarse: 400,
                 iterations_fine: 200,
                 ..paper
@@ -360,9 +360,9 @@ impl Parameters {
                 pixels_per_spacing: 7.0,
                 grid_min: 32,
                 grid_max: 128,
-                learning_rate_coarse: 0.08,
-                learning_rate_fine: 0.03,
-                learning_rate_unit: LearningRateUnit::Spacing,
+                learning_rate_coarse: 0.04,
+                learning_rate_fine: 0.04,
+                learning_rate_unit: LearningRateUnit::Sigma,
                 iterations_coarse: 250,
                 iterations_fine: 100,
                 ..paper

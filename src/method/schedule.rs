@@ -45,10 +45,6 @@ impl Schedule {
             spacing / p.sigma_coarse_divisor
         }
         .max(fine);
-        let unit = match p.learning_rate_unit {
-            LearningRateUnit::OutputSide => output_size.max_element(),
-            LearningRateUnit::Spacing => spacing,
-        };
         let scales = (0..p.scales)
             .map(|index| {
                 let along = if p.scales > 1 { f64::from(index) / f64::from(p.scales - 1) } else { 1.0 };
@@ -65,6 +61,10 @@ impl Schedule {
                     (p.learning_rate_coarse, p.iterations_coarse)
                 } else {
                     (p.learning_rate_fine, p.iterations_fine)
+                };
+                let unit = match p.learning_rate_unit {
+                    LearningRateUnit::OutputSide => output_size.max_element(),
+                    LearningRateUnit::Sigma => sigma,
                 };
                 Scale { sigma, resolution, learning_rate: rate * unit, iterations }
             })
