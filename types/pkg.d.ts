@@ -1,6 +1,10 @@
 // The wasm package is made by the build and not in the repository.
 declare module '*/pkg/pointweave.js' {
   export default function init(): Promise<unknown>;
+  /** For those who hold the bytes of the module already. */
+  export function initSync(options: { module: BufferSource }): unknown;
+  /** A workload as JSON in, a report as JSON out. */
+  export function bench_iterations(workload: string): string;
   export class WorkerSession {
     handle(request: unknown): unknown;
   }

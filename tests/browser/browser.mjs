@@ -2,18 +2,15 @@
 /** A headless Chromium that opens the built page and watches it for what no test should have to look for. */
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
-import { mkdtemp, rm } from 'node:fs/promises';
-import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { chromium } from 'playwright-core';
 
+import { openChromium } from './chromium.mjs';
 import { serve } from './server.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
 export const DIST = process.env.POINTWEAVE_DIST ?? fileURLToPath(new URL('../../dist', import.meta.url));
-const CHROMIUM = process.env.POINTWEAVE_CHROMIUM ?? '/usr/bin/chromium';
 /** How long a test waits for one thing; machines are slow and busy. */
 export const PATIENCE = 60_000;
 
@@ -21,32 +18,14 @@ export const PATIENCE = 60_000;
 export async function launch({ webgpu = false } = {}) {
   assert.ok(existsSync(join(DIST, 'index.html')), `there is no built page in ${DIST}: run \`cargo xtask build\` first`);
   const server = await serve(DIST);
-  const profile = await mkdtemp(join(tmpdir(), 'pointweave-browser-'));
-  const context = await chromium.launchPersistentContext(profile, {
-    executablePath: CHROMIUM,
-    headless: false,
-    acceptDownloads: true,
-    args: [
-      '--headless=new',
-      '--no-sandbox',
-      '--disable-quic',
-      '--no-first-run',
-      '--disable-background-networking',
-      '--disable-component-update',
-      '--disable-sync',
-      // Pages in the background must not be slowed down: tests open several.
-      '--disable-renderer-backgrounding',
-      ...(webgpu ? ['--enable-unsafe-webgpu'] : []),
-    ],
-  });
+  const { context, close } = await openChromium({ webgpu });
   context.setDefaultTimeout(PATIENCE);
   return {
     context,
     url: server.url,
     async close() {
-      await context.close();
+      await close();
       await server.close();
-      await rm(profile, { recursive: true, force: true });
     },
   };
 }

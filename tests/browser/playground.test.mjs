@@ -63,6 +63,9 @@ async function drop(page, name, text) {
   await page.dispatchEvent('body', 'drop', { dataTransfer: transfer });
 }
 
+/** @param {Page} page @param {'Open' | 'Periodic'} name */
+const boundary = (page, name) => page.getByRole('radio', { name, exact: true });
+
 const square = ['x,y', ...Array.from({ length: 49 }, (_, i) => `${((i % 7) + 0.5) / 7},${(Math.floor(i / 7) + 0.5) / 7}`)];
 
 describe('the playground', () => {
@@ -117,6 +120,11 @@ describe('the playground', () => {
   });
 
   pageTest('gives four times the points at 2 × 2, as CSV and as SVG', {}, async (page) => {
+    await iterations(page, 1);
+    // A periodic picture may repeat points at its border; an open one may not.
+    await boundary(page, 'Open').check();
+    await parameter(page, 'boundary', 'open');
+    await status(page, 'playing');
     await iterations(page, 2);
     await pause(page);
     const exemplar = Number((await page.locator('#exemplar-count').innerText()).match(/\d+/)?.[0]);
@@ -130,7 +138,6 @@ describe('the playground', () => {
       const parsed = new DOMParser().parseFromString(text, 'image/svg+xml');
       return parsed.querySelector('parsererror') ? -1 : parsed.querySelectorAll('circle').length;
     }, svg.text);
-    // A periodic picture may repeat points at its border; an open one may not.
     assert.equal(circles, 4 * exemplar);
   });
 
@@ -157,8 +164,10 @@ describe('the playground', () => {
     assert.equal(await count(), (four / 4) * 6);
     await page.locator('.slider').first().hover();
     await page.getByText('Width of the result').waitFor();
+    await boundary(page, 'Open').check();
     assert.ok(await page.locator('#tiles-row').isHidden());
-    await page.getByLabel('Periodic').check();
+    await parameter(page, 'boundary', 'open');
+    await boundary(page, 'Periodic').check();
     assert.ok(await page.getByLabel('Show 3 × 3 tiles').isVisible());
     await parameter(page, 'boundary', 'periodic');
     const picture = () => page.locator('#output-canvas').evaluate((canvas) => /** @type {HTMLCanvasElement} */ (canvas).toDataURL());
@@ -173,6 +182,28 @@ describe('the playground', () => {
     const rolled = await page.getByLabel('Seed', { exact: true }).inputValue();
     assert.notEqual(rolled, before);
     await parameter(page, 'seed', Number(rolled));
+  });
+
+  pageTest('takes the boundary of each exemplar, and lets the person change it', {}, async (page) => {
+    await parameter(page, 'boundary', 'periodic');
+    await boundary(page, 'Periodic').and(page.locator(':checked')).waitFor({ state: 'attached' });
+    await page.locator('.exemplar-card:has([value="phyllotaxis"])').click();
+    await parameter(page, 'boundary', 'open');
+    assert.ok(await boundary(page, 'Open').isChecked());
+    assert.ok(await page.locator('#tiles-row').isHidden());
+    await boundary(page, 'Periodic').check();
+    await parameter(page, 'boundary', 'periodic');
+    // The choice is the person's for as long as the exemplar stays.
+    await page.getByLabel('Seed', { exact: true }).fill('4');
+    await parameter(page, 'seed', 4);
+    assert.equal((await peek(page, 'parameters')).boundary, 'periodic');
+    await drop(page, 'window.csv', square.join('\n'));
+    await parameter(page, 'boundary', 'open');
+    assert.ok(await boundary(page, 'Open').isChecked());
+    await drop(page, 'tile.csv', ['# domain 0 0 1 1 periodic', ...square].join('\n'));
+    await parameter(page, 'boundary', 'periodic');
+    assert.ok(await boundary(page, 'Periodic').isChecked());
+    assert.ok(await page.getByLabel('Show 3 × 3 tiles').isVisible());
   });
 
   pageTest('reads a dropped file and uses it', {}, async (page) => {

@@ -11,6 +11,7 @@ import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 /** @typedef {import('./messages.js').GalleryEntryView} GalleryEntryView */
 /** @typedef {import('./messages.js').PatternView} PatternView */
 /** @typedef {import('./messages.js').Progress} Progress */
+/** @typedef {PatternView['boundary']} Boundary */
 /** @typedef {{ title: string, caption: string, source: Source }} Chosen */
 
 /** What the page shows first. */
@@ -236,6 +237,26 @@ const linked = /** @type {HTMLInputElement} */ (element('linked'));
 const radio = (name) =>
   /** @type {HTMLInputElement | null} */ (settings.querySelector(`input[name="${name}"]:checked`))?.value;
 
+/** The gallery says what the first exemplar's boundary is; until then the worker, which knows, decides. */
+let knowsBoundary = false;
+
+/**
+ * An exemplar brings its own boundary along; the person may change it afterwards.
+ *
+ * @param {Boundary} boundary
+ */
+function setBoundary(boundary) {
+  knowsBoundary = true;
+  const input = settings.querySelector(`input[name="boundary"][value="${boundary}"]`);
+  /** @type {HTMLInputElement} */ (input).checked = true;
+  showTilesChoice();
+}
+
+/** Only a result that tiles can be shown as tiles. */
+function showTilesChoice() {
+  element('tiles-row').hidden = radio('boundary') !== 'periodic';
+}
+
 /** @returns {number | null} */
 function readSeed() {
   const text = seedField.value.trim();
@@ -263,7 +284,7 @@ function begin(play) {
       overrides: {
         'expansion-x': Number(slideX.value),
         'expansion-y': Number(slideY.value),
-        boundary: radio('boundary') ?? 'open',
+        ...(knowsBoundary && { boundary: radio('boundary') ?? 'open' }),
         seed,
       },
     },
@@ -304,8 +325,8 @@ settings.addEventListener('change', (event) => {
   const { name, type } = /** @type {HTMLInputElement} */ (event.target);
   if (type !== 'radio') return;
   if (name === 'boundary') {
-    const periodic = radio('boundary') === 'periodic';
-    element('tiles-row').hidden = !periodic;
+    knowsBoundary = true;
+    showTilesChoice();
   }
   beginSoon();
 });
@@ -387,7 +408,7 @@ function exemplarCard(choice, value, pattern) {
   card.title = choice.caption;
   const input = document.createElement('input');
   Object.assign(input, { type: 'radio', name: 'exemplar', value, className: 'unseen' });
-  input.addEventListener('change', () => choose(choice));
+  input.addEventListener('change', () => choose(choice, pattern.boundary));
   const canvas = document.createElement('canvas');
   canvas.setAttribute('aria-hidden', 'true');
   const words = document.createElement('div');
@@ -401,9 +422,13 @@ function exemplarCard(choice, value, pattern) {
   return { card, input };
 }
 
-/** @param {Chosen} choice */
-function choose(choice) {
+/**
+ * @param {Chosen} choice
+ * @param {Boundary} boundary
+ */
+function choose(choice, boundary) {
   chosen = choice;
+  setBoundary(boundary);
   beginSoon();
 }
 
@@ -417,6 +442,7 @@ function showGallery(entries) {
     if (chosen.source.name === name) {
       input.checked = true;
       chosen = choice;
+      if (!knowsBoundary) setBoundary(pattern.boundary);
       element('exemplar-title').textContent = title;
       element('exemplar-caption').textContent = caption;
     }
@@ -448,6 +474,7 @@ async function openFile(file) {
     for (const canvas of thumbnails.keys()) if (!canvas.isConnected) thumbnails.delete(canvas);
     drawThumbnails();
     chosen = choice;
+    setBoundary(exemplar.boundary);
     await begin(true);
   } catch (error) {
     if (error instanceof WorkerDied) return;
