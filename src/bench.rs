@@ -58,6 +58,8 @@ pub struct Report {
     pub seconds_per_iteration: f64,
     /// Mean seconds an iteration spends in each stage.
     pub stages: BTreeMap<&'static str, f64>,
+    /// The longest single step: how long a pause or a cancel may have to wait.
+    pub longest_step_seconds: f64,
     /// Operations of the same convolutions done directly, forward and gradient, per second: the rate a plain kernel
     /// would need to keep up.
     pub effective_gflops: f64,
@@ -118,13 +120,14 @@ pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, Workloa
     let mut stages: BTreeMap<&'static str, f64> = BTreeMap::new();
     let mut seconds = Vec::with_capacity(iterations);
     let mut loss = f64::NAN;
-    let (mut warm, mut spent) = (false, 0.0);
+    let (mut warm, mut spent, mut longest) = (false, 0.0, 0.0_f64);
     while seconds.len() < iterations {
         let stage = engine.stage();
         let before = now();
         let advance = engine.advance();
         let took = now() - before;
         spent += took;
+        longest = longest.max(took);
         if warm && let Some(stage) = stage {
             *stages.entry(stage.name()).or_default() += took / iterations as f64;
         }
@@ -146,6 +149,7 @@ pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, Workloa
     Ok(Report {
         seconds_per_iteration: median,
         stages,
+        longest_step_seconds: longest,
         effective_gflops: direct_operations(grid, channels) / median / 1e9,
         threads: parallel::threads(),
         estimated_mb,

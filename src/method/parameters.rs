@@ -148,8 +148,8 @@ pub struct Parameters {
     /// The coarsest σ is d divided by this (the paper's c₁).
     pub sigma_coarse_divisor: f64,
     /// Unless 0, the coarsest σ is this many times the side of the square that one exemplar point has to itself
-    /// (1 / √density), and c₁ is not used. Where points cluster or line up, d says how close neighbours stand, but
-    /// not how large the structures are.
+    /// (1 / √density), more where points cluster, and c₁ is not used. Where points cluster or line up, d says how close
+    /// neighbours stand, but not how large the structures are.
     pub sigma_coarse_cells: f64,
     /// The finest σ is d divided by this (the paper's c₂).
     pub sigma_fine_divisor: f64,

@@ -40,7 +40,10 @@ impl Schedule {
         let finest_grid = (p.pixels_per_spacing / spacing).round().clamp(p.grid_min.into(), p.grid_max.into());
         let fine = (spacing / p.sigma_fine_divisor).max(p.fine_sigma_px / finest_grid);
         let coarse = if p.sigma_coarse_cells > 0.0 {
-            p.sigma_coarse_cells / density.sqrt()
+            // Clark & Evans (1954): mean spacing over that of independent points. Below 1 the points cluster, and the
+            // clusters are as much larger than a point's share of the plane.
+            let aggregation = 2.0 * spacing * density.sqrt();
+            p.sigma_coarse_cells / density.sqrt() / aggregation.min(1.0)
         } else {
             spacing / p.sigma_coarse_divisor
         }
@@ -120,9 +123,12 @@ mod tests {
         // A cluster: neighbours a fiftieth apart, a hundred points.
         let schedule = Schedule::new(&parameters, 0.02, 100.0, DVec2::splat(2.0));
         let (first, last) = (schedule.scales[0], schedule.scales[3]);
-        assert!((first.sigma - 0.116).abs() < 1e-12, "{}", first.sigma);
+        assert!((first.sigma - 0.116 / 0.4).abs() < 1e-12, "{}", first.sigma);
         assert!((last.sigma - 2.5 / 128.0).abs() < 1e-12, "{}", last.sigma);
-        assert_eq!((first.resolution, last.resolution), (60.0, 128.0));
+        assert_eq!((first.resolution, last.resolution), (24.0, 128.0));
+        // Evenly spread points: the density alone decides.
+        let even = Schedule::new(&parameters, 0.09, 100.0, DVec2::splat(2.0));
+        assert!((even.scales[0].sigma - 0.116).abs() < 1e-12);
     }
 
     #[test]

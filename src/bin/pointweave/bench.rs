@@ -77,6 +77,7 @@ fn print_table(report: &Report, peak_mb: Option<f64>) {
         }
     }
     println!("{:<34}{:>10.4} s  median", "iteration", report.seconds_per_iteration);
+    println!("{:<34}{:>10.4} s  (a pause waits no longer)", "longest step", report.longest_step_seconds);
     println!("{:<34}{:>10.1} GFLOP/s of direct convolution", "effective rate", report.effective_gflops);
     print!("{:<34}{:>10.0} MB estimated", "memory", report.estimated_mb);
     match peak_mb {

@@ -1,8 +1,7 @@
-//! Matrix products of the engine's shapes: thin, batched, with operands that need no packing.
+//! Matrix products of the engine's shapes: thin, batched, the same right operands in every iteration.
 //!
-//! Libraries pack both operands anew at every call and allocate for it; the products here are small (100 × 120 × 120,
-//! once per frequency and layer), their operands already lie contiguous along the lanes, and an iteration must not
-//! allocate. `cargo bench --bench products` times this kernel beside the `gemm` crate on the engine's shapes.
+//! General libraries pack both operands anew at every call and allocate for it. Here the right operand lies contiguous
+//! along the lanes already, the left one is packed into space that is kept, and the code stays safe.
 
 use super::lanes::LANES;
 use super::real::Real;
