@@ -141,7 +141,7 @@ pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, Workloa
                 warm = true;
                 spent = 0.0;
             }
-            Advance::NotFinite => break,
+            Advance::Flat | Advance::NotFinite => break,
         }
     }
     seconds.sort_by(f64::total_cmp);

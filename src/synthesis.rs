@@ -178,6 +178,8 @@ pub struct SynthesisState {
     pub class: usize,
     /// Scale at hand.
     pub scale: usize,
+    /// Most iterations of the scale at hand; more than its own where the scales before had nothing to match.
+    pub iterations: u32,
     /// Losses of the scale at hand.
     pub losses: Vec<f64>,
     /// Iterations done in the whole run.
@@ -239,6 +241,11 @@ impl Synthesis {
         }
         run.check_memory(memory_limit)?;
         Ok(run)
+    }
+
+    fn fresh_schedule(&self) -> Schedule {
+        let spacing = self.exemplar.mean_spacing().unwrap_or(1.0);
+        Schedule::new(&self.parameters, spacing, density(&self.exemplar), self.output_size)
     }
 
     fn classes(&self) -> usize {
@@ -386,6 +393,16 @@ impl Synthesis {
         let Some(engine) = &mut self.engine else { return Ok(self.begin_scale()) };
         match engine.advance() {
             Advance::Working => Ok(Event::Working),
+            Advance::Flat => {
+                // Whatever scale comes first has the long way to go.
+                let unused = self.schedule.scales[self.scale].iterations;
+                let event = self.end_scale();
+                if !self.finished && self.scale > 0 {
+                    let next = &mut self.schedule.scales[self.scale].iterations;
+                    *next = unused.max(*next);
+                }
+                Ok(event)
+            }
             Advance::NotFinite => {
                 Err(SynthesisError::NotFinite { scale: self.scale, iteration: self.losses.len() as u32 })
             }
@@ -419,6 +436,8 @@ impl Synthesis {
                 self.finished = true;
                 self.network = None;
             } else {
+                // Forgets what flat scales passed on.
+                self.schedule = self.fresh_schedule();
                 self.begin_class();
             }
         }
@@ -551,6 +570,7 @@ impl Synthesis {
             points: self.points.clone(),
             class: self.class,
             scale: self.scale,
+            iterations: self.schedule.scales[self.scale].iterations,
             losses: self.losses.clone(),
             total_iterations: self.total_iterations,
             finished: self.finished,
@@ -574,6 +594,11 @@ impl Synthesis {
         if state.scale >= run.schedule.scales.len() {
             return refuse(format!("it is at scale {}, but there are {}", state.scale, run.schedule.scales.len()));
         }
+        let longest = run.schedule.scales.iter().map(|scale| scale.iterations).max().unwrap_or(0);
+        if state.iterations == 0 || state.iterations > longest {
+            return refuse(format!("its scale has {} iterations, but none may have over {longest}", state.iterations));
+        }
+        run.schedule.scales[state.scale].iterations = state.iterations;
         let mut start = 0;
         for class in 0..=state.class {
             run.class_starts.push(start);

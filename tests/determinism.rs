@@ -100,13 +100,14 @@ fn states_that_do_not_fit_together_are_refused() {
     let good = run.state();
     assert!(Synthesis::resume(good.clone(), GENEROUS).is_ok());
     type Break = fn(&mut SynthesisState);
-    let breaks: [(&str, Break); 9] = [
+    let breaks: [(&str, Break); 10] = [
         ("version", |s| s.version = 99),
         ("points", |s| s.points.truncate(5)),
         ("outside", |s| s.points[3] = DVec2::new(7.0, 0.5)),
         ("outside", |s| s.points[3].x = f64::NAN),
         ("scale", |s| s.scale = 40),
         ("class", |s| s.class = 2),
+        ("iterations", |s| s.iterations = 4000),
         ("losses", |s| s.losses.push(f64::NAN)),
         ("optimiser", |s| s.adam.first.truncate(1)),
         ("optimiser", |s| s.adam.second[0] = DVec2::splat(-1.0)),
@@ -231,4 +232,27 @@ fn awkward_exemplars_work() {
             assert!(points.iter().all(|p| p.is_finite()) && losses.iter().all(|l| l.is_finite()), "{name}");
         }
     }
+}
+
+#[test]
+fn scales_at_which_a_lattice_is_flat_are_passed_over() {
+    let scales_run = |name: &str| {
+        let exemplar = gallery::find(name).unwrap().exemplar();
+        let parameters = Parameters { scales: 3, grid_max: 80, ..small(exemplar.boundary(), 1) };
+        let mut run = Synthesis::new(exemplar, parameters, GENEROUS).unwrap();
+        let mut scales: Vec<(usize, u32)> = Vec::new();
+        loop {
+            match run.advance().unwrap() {
+                Event::Finished => return scales,
+                Event::ScaleFinished { progress, .. } => scales.push((progress.scale, progress.iteration)),
+                _ => {}
+            }
+        }
+    };
+    let lattice = scales_run("square-grid");
+    assert_eq!(lattice.len(), 3);
+    assert_eq!(lattice[0].1, 0, "a lattice blurred over more than its pitch is flat: {lattice:?}");
+    assert_eq!(lattice[2].1, 12, "its last scale has the iterations of the first: {lattice:?}");
+    let rings = scales_run("rings");
+    assert_eq!(rings, [(0, 12), (1, 8), (2, 8)]);
 }

@@ -112,6 +112,8 @@ fn grid(size: DVec2, resolution: f64, boundary: Boundary) -> Grid {
 pub enum Advance {
     /// Part of the exemplar's statistics or of an iteration.
     Working,
+    /// The exemplar's maps are flat at this scale: there is nothing to match, and nothing was done.
+    Flat,
     /// The points have moved; this was the loss before.
     Iterated(LossTerms),
     /// The loss or its gradient is no longer finite; the points have not moved.

@@ -119,6 +119,9 @@ impl CpuEngine {
         match &mut self.phase {
             Phase::Exemplar(exemplar) => {
                 if exemplar.advance(&self.seen, None) {
+                    if is_flat(exemplar) {
+                        return Advance::Flat;
+                    }
                     self.phase = Phase::Measured(exemplar.targets(self.setup.lags));
                 }
                 Advance::Working
@@ -172,6 +175,20 @@ impl CpuEngine {
     pub fn into_network(self) -> Arc<Network<Float>> {
         self.network
     }
+}
+
+/// Whether most filters of the first layer see nothing: a lattice blurred by a wide Gaussian is constant. What
+/// features are left there is the rounding of sums, and as Adam's steps are as long for small gradients as for large
+/// ones, following them would only stir the points. Ordinary patterns stay above a tenth of ε, lattices far below.
+fn is_flat(exemplar: &Evaluation<Float>) -> bool {
+    let (_, statistics) = exemplar.image(0);
+    let variance = |inverse_deviation: Float| 1.0 / f64::from(inverse_deviation).powi(2) - normalization::EPSILON;
+    let channels = exemplar.channels();
+    let seeing = statistics.inverse_deviation[..channels]
+        .iter()
+        .filter(|&&inverse| variance(inverse) > 1e-3 * normalization::EPSILON)
+        .count();
+    2 * seeing < channels
 }
 
 /// Shifts rows and columns of the grid for an iteration. Every iteration has its own stream, so that a saved run

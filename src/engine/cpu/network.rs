@@ -437,6 +437,12 @@ impl<T: Real> Evaluation<T> {
         }
     }
 
+    /// Channels of every layer, without padding.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.network.channels
+    }
+
     /// The Gabor maps of the last pass, `[height, width, LANES]`.
     #[must_use]
     pub fn maps(&self) -> &[T] {
