@@ -113,7 +113,7 @@ fn every_format_goes_in_and_out() {
     let folder = Folder::new("formats");
     let input = folder.file("in.csv", &exemplar());
     let [csv, json, svg, png] = ["out.csv", "out.json", "out.SVG", "out.png"].map(|name| {
-        assert!(synth(&[&input, "-o", &folder.path(name)], b"").is_empty());
+        assert!(synth(&[&input, "--boundary", "open", "-o", &folder.path(name)], b"").is_empty());
         fs::read(folder.path(name)).unwrap()
     });
     let result = pattern(&csv);
@@ -121,6 +121,9 @@ fn every_format_goes_in_and_out() {
     assert_eq!(result.len(), 4 * source.len());
     assert_eq!(result.domain().size(), source.domain().size() * 2.0);
     assert_eq!(result.boundary(), Boundary::Open);
+    // Unless told otherwise, a tile makes a tile.
+    assert_eq!(source.boundary(), Boundary::Periodic);
+    assert_eq!(pattern(&synth(&[&input], b"")).boundary(), Boundary::Periodic);
     assert_eq!(pattern(&json), result);
     let svg = String::from_utf8(svg).unwrap();
     assert_eq!(svg.matches("<circle").count(), result.len());
