@@ -132,12 +132,14 @@ fn every_format_goes_in_and_out() {
     assert_eq!(folder.names(), ["in.csv", "out.SVG", "out.csv", "out.json", "out.png"], "no half-written files");
 
     // Standard streams carry the same, and a pipe sees no progress bar (`synth` asserts silence).
-    assert_eq!(synth(&["-"], exemplar().as_bytes()), csv);
-    assert_eq!(synth(&["-", "-o", "-", "--format", "json"], exemplar().as_bytes()), json);
-    assert_eq!(synth(&[&format!("gallery:{}", gallery::entries()[0].name)], b""), csv);
+    let open = ["--boundary", "open"];
+    let streamed = |arguments: &[&str], bytes: &[u8]| synth(&[arguments, &open].concat(), bytes);
+    assert_eq!(streamed(&["-"], exemplar().as_bytes()), csv);
+    assert_eq!(streamed(&["-", "-o", "-", "--format", "json"], exemplar().as_bytes()), json);
+    assert_eq!(streamed(&[&format!("gallery:{}", gallery::entries()[0].name)], b""), csv);
     // --format beats the name; an existing file is replaced whole.
     let long = folder.file("old.csv", &"x".repeat(1_000_000));
-    synth(&[&input, "-o", &long, "--format", "json"], b"");
+    streamed(&[&input, "-o", &long, "--format", "json"], b"");
     assert_eq!(fs::read(&long).unwrap(), json);
 }
 
