@@ -68,15 +68,15 @@ fn boundary(name: &str) -> Result<Boundary, String> {
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
     let entries = chosen(&arguments.only)?;
-    let mut parameters = Parameters::preset(arguments.preset);
-    parameters.seed = arguments.seed.unwrap_or(parameters.seed);
 
     fs::create_dir_all(&arguments.folder)
         .with_context(|| format!("the folder {} can't be made", arguments.folder.display()))?;
     let mut cells = Vec::new();
     let mut failures = Vec::new();
     for entry in &entries {
-        parameters.boundary = arguments.boundary.unwrap_or_else(|| entry.exemplar().boundary());
+        let mut parameters = Parameters::suited_to(arguments.preset, &entry.exemplar());
+        parameters.seed = arguments.seed.unwrap_or(parameters.seed);
+        parameters.boundary = arguments.boundary.unwrap_or(parameters.boundary);
         let name = format!(
             "{}-{}-{}-{}.png",
             entry.name,

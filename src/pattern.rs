@@ -328,6 +328,15 @@ impl PointPattern {
         self.positions.iter().map(|&point| (point - self.domain.min()) / unit).collect()
     }
 
+    /// Clark & Evans's (1954) index of aggregation: the mean spacing over that of as many independent points. Below 1
+    /// points cluster, above 1 they keep apart. `None` where [`Self::mean_spacing`] is.
+    #[must_use]
+    pub fn aggregation_index(&self) -> Option<f64> {
+        let size = self.domain.size_in_exemplar_units();
+        let density = self.len() as f64 / (size.x * size.y);
+        self.mean_spacing().map(|spacing| 2.0 * spacing * density.sqrt())
+    }
+
     /// Mean distance from a point to its nearest neighbour, all classes together, in exemplar units: the method's d
     /// (Huang et al. 2022, §4). `None` when no point has a neighbour at a positive distance.
     ///

@@ -351,3 +351,21 @@ fn windows_have_one_centre() {
         assert!((two[0].angle_to(two[1]) - golden).abs() < 1e-9, "{two:?}");
     }
 }
+
+#[test]
+fn presets_suit_lattices_and_nothing_else() {
+    use pointweave::method::{Parameters, Preset};
+    for entry in gallery::entries() {
+        let exemplar = entry.exemplar();
+        let index = exemplar.aggregation_index().expect("every exemplar has a spacing");
+        for preset in [Preset::Fast, Preset::Balanced] {
+            let plain = Parameters { boundary: exemplar.boundary(), ..Parameters::preset(preset) };
+            let suited = Parameters::suited_to(preset, &exemplar);
+            suited.validate().expect("a preset is valid");
+            let is_lattice = ["hex", "square-grid"].contains(&entry.name);
+            assert_eq!(suited != plain, is_lattice, "{}: index {index:.3}", entry.name);
+        }
+        let paper = Parameters { boundary: exemplar.boundary(), ..Parameters::preset(Preset::Paper) };
+        assert_eq!(Parameters::suited_to(Preset::Paper, &exemplar), paper, "{}", entry.name);
+    }
+}

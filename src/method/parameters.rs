@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::domain::Boundary;
+use crate::pattern::PointPattern;
 
 /// A parameter outside its range.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -94,6 +95,10 @@ impl Preset {
         })
     }
 }
+
+/// Clark & Evans's index from which an exemplar counts as a lattice: 2 for a square one, 2.15 for a hexagonal one, at
+/// most about 1.85 for blue noise.
+const LATTICE_INDEX: f64 = 1.95;
 
 /// How the output points start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -367,6 +372,24 @@ impl Parameters {
                 iterations_fine: 100,
                 ..paper
             },
+        }
+    }
+
+    /// The preset as it suits an exemplar: a tile makes a tile and a window a window, and lattices, which are flat at
+    /// the scales of other patterns, get a fine and narrow ladder. The Paper preset only takes the boundary.
+    #[must_use]
+    pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
+        let parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
+        if preset == Preset::Paper || exemplar.aggregation_index().is_none_or(|index| index < LATTICE_INDEX) {
+            return parameters;
+        }
+        Self {
+            pixels_per_spacing: parameters.pixels_per_spacing.max(9.0),
+            sigma_coarse_cells: 0.45,
+            sigma_fine_divisor: 3.5,
+            correlation_weight: 0.2,
+            learning_rate_fine: 0.02,
+            ..parameters
         }
     }
 

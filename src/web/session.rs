@@ -3,11 +3,11 @@
 use serde_json::{Map, Value};
 use thiserror::Error;
 
+use crate::PointPattern;
 use crate::formats::{self, FormatError, ReadOptions, SvgStyle};
 use crate::gallery;
 use crate::method::{ParameterError, Parameters, Preset};
 use crate::synthesis::{Event, Progress, Synthesis, SynthesisError, SynthesisState};
-use crate::{Boundary, PointPattern};
 
 use super::protocol::{
     EngineView, ExportFormat, GalleryEntryView, PatternView, Place, Points, PresetView, RangeView, Request, Response,
@@ -133,7 +133,7 @@ impl Session {
 
     fn start(&mut self, exemplar: Source, preset: &str, overrides: Map<String, Value>) -> Result<Response, Refusal> {
         let exemplar = read(exemplar)?;
-        let parameters = parameters(preset, exemplar.boundary(), overrides)?;
+        let parameters = parameters(preset, &exemplar, overrides)?;
         let synthesis = Synthesis::new(exemplar, parameters, MEMORY_LIMIT)?;
         self.adopt(synthesis)
     }
@@ -239,16 +239,15 @@ fn place_of(error: &FormatError) -> Option<Place> {
     Some(Place { line: line as u64, column: column.map(|column| column as u64) })
 }
 
-/// The preset's parameters with some replaced. A tile makes a larger tile, a window a larger window, unless told
-/// otherwise. Numbers are checked before they take their type, so that a negative
+/// The preset's parameters as they suit the exemplar, with some replaced. Numbers are checked before they take their type, so that a negative
 /// or broken one is answered with its range.
-fn parameters(preset: &str, boundary: Boundary, overrides: Map<String, Value>) -> Result<Parameters, Refusal> {
+fn parameters(preset: &str, exemplar: &PointPattern, overrides: Map<String, Value>) -> Result<Parameters, Refusal> {
     for range in &Parameters::RANGES {
         if let Some(value) = overrides.get(range.name).and_then(Value::as_f64) {
             range.check(value)?;
         }
     }
-    let preset = Parameters { boundary, ..Parameters::preset(Preset::from_name(preset)?) };
+    let preset = Parameters::suited_to(Preset::from_name(preset)?, exemplar);
     let mut merged = match serde_json::to_value(preset).map_err(Refusal::Overrides)? {
         Value::Object(map) => map,
         _ => Map::new(),

@@ -159,20 +159,22 @@ fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<Synthesis, Fai
     let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
     // Without --resume the parser makes sure that there is an input.
     let input = arguments.input.as_deref().unwrap_or(Path::new("-"));
-    let mut parameters = Parameters::preset(arguments.preset.map_or(Preset::Fast, Preset::from));
-    if let Some([width, height]) = arguments.scale {
-        (parameters.expansion_x, parameters.expansion_y) = (width, height);
-    }
-    parameters.seed = arguments.seed.unwrap_or(parameters.seed);
+    let preset = arguments.preset.map_or(Preset::Fast, Preset::from);
+    let chosen = |mut parameters: Parameters| {
+        if let Some([width, height]) = arguments.scale {
+            (parameters.expansion_x, parameters.expansion_y) = (width, height);
+        }
+        parameters.seed = arguments.seed.unwrap_or(parameters.seed);
+        parameters.boundary = arguments.boundary.map_or(parameters.boundary, Into::into);
+        let parameters = settings::apply(parameters, &arguments.settings)?;
+        parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+        Ok::<Parameters, Failure>(parameters)
+    };
     // Checked before the input is read: a wrong command line is told first.
-    settings::apply(parameters.clone(), &arguments.settings)?
-        .validate()
-        .map_err(|error| Failure::Usage(error.to_string()))?;
+    chosen(Parameters::preset(preset))?;
 
     let exemplar = files::read_pattern(input, &options)?;
-    // A tile makes a larger tile, a window a larger window, unless told otherwise.
-    parameters.boundary = arguments.boundary.map_or(exemplar.boundary(), Into::into);
-    let parameters = settings::apply(parameters, &arguments.settings)?;
+    let parameters = chosen(Parameters::suited_to(preset, &exemplar))?;
     Synthesis::new(exemplar, parameters, memory_limit).map_err(refused)
 }
 
