@@ -14,6 +14,7 @@ use crate::engine::{Advance, ScaleSetup};
 use crate::method::schedule::Scale;
 use crate::method::{Parameters, Preset};
 use crate::sampling::{Purpose, Rng, poisson_disk};
+use crate::synthesis::LossTerms;
 
 /// Size of the work. The defaults are the paper's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -132,16 +133,16 @@ pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, Workloa
             *stages.entry(stage.name()).or_default() += took / iterations as f64;
         }
         match advance {
-            Advance::Working => {}
+            Advance::Working | Advance::Waiting => {}
             Advance::Iterated(terms) => {
-                loss = terms.total();
+                loss = terms.last().map_or(f64::NAN, LossTerms::total);
                 if warm {
                     seconds.push(spent);
                 }
                 warm = true;
                 spent = 0.0;
             }
-            Advance::Flat | Advance::NotFinite => break,
+            Advance::Flat | Advance::NotFinite | Advance::Lost(_) => break,
         }
     }
     seconds.sort_by(f64::total_cmp);

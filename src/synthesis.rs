@@ -4,6 +4,7 @@
 //! paper's size in a browser) and says what happened. Whoever drives it (command line, worker, test) decides when to
 //! call it again, so pause and cancel need no flags and the page pulls at its own pace.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -13,7 +14,8 @@ use thiserror::Error;
 use crate::engine::cpu::adam::Adam;
 use crate::engine::cpu::network::{Network, Stage};
 use crate::engine::cpu::{CpuEngine, Float};
-use crate::engine::{Advance, ScaleSetup};
+use crate::engine::gpu::{Gpu, GpuEngine, GpuNetwork};
+use crate::engine::{Advance, Engine, ScaleSetup};
 use crate::method::parameters::Start;
 use crate::method::schedule::converged;
 use crate::method::{ParameterError, Parameters, Schedule};
@@ -66,6 +68,8 @@ pub struct Progress {
 pub enum Event {
     /// Part of an iteration is done; nothing to show yet.
     Working,
+    /// There is nothing to do before the device reports something: see [`Synthesis::wait`].
+    Waiting,
     /// A scale begins: targets are computed, the grid is allocated.
     ScaleStarted {
         /// Where the run stands.
@@ -88,6 +92,12 @@ pub enum Event {
         progress: Progress,
         /// Whether it converged before its iterations ran out.
         converged: bool,
+    },
+    /// The device can't be used, or no longer: the run goes on from what came back last, on the processor unless
+    /// another device is given to [`Synthesis::use_gpu`].
+    EngineChanged {
+        /// What happened, as a sentence.
+        reason: String,
     },
     /// Every class and scale is done.
     Finished,
@@ -154,9 +164,14 @@ pub struct Synthesis {
     finished: bool,
     /// Set by a resumed run until its engine is built.
     resumed: Option<Adam>,
-    engine: Option<CpuEngine>,
+    engine: Option<Engine>,
     /// The filters of the scale before.
     network: Option<Arc<Network<Float>>>,
+    gpu_network: Option<Arc<GpuNetwork>>,
+    /// The device to use, and the memory it may take, in bytes.
+    gpu: Option<(Arc<Gpu>, u64)>,
+    /// Iterations that came back together, and are told one by one.
+    told: VecDeque<Event>,
 }
 
 /// Version of [`SynthesisState`]'s layout.
@@ -232,6 +247,9 @@ impl Synthesis {
             resumed: None,
             engine: None,
             network: None,
+            gpu_network: None,
+            gpu: None,
+            told: VecDeque::new(),
             exemplar,
             parameters,
         };
@@ -363,20 +381,81 @@ impl Synthesis {
             self.exemplar.boundary(),
             self.output_size,
         );
-        let network = CpuEngine::network(&setup, self.parameters.channels as usize, self.network.take());
         let grid = setup.output_view.grid;
         let sigma = setup.output_view.wave.sigma;
+        let channels = self.parameters.channels as usize;
         let moving_from = self.moving_from();
         let adam = self.resumed.take().unwrap_or_else(|| Adam::new(self.points.len() - moving_from));
         let iteration = self.losses.len() as u32;
-        self.engine = Some(CpuEngine::new(setup, network, self.points.clone(), moving_from, adam, iteration));
+        let points = self.points.clone();
+        let engine = match &self.gpu {
+            Some((gpu, memory)) => {
+                let before = self.gpu_network.take();
+                let kept = adam.clone();
+                match GpuEngine::new(gpu, setup, channels, before, points, moving_from, adam, iteration, *memory) {
+                    Ok(engine) => Engine::Gpu(Box::new(engine)),
+                    Err(error) => return self.leave_gpu(kept, error.to_string()),
+                }
+            }
+            None => {
+                let network = CpuEngine::network(&setup, channels, self.network.take());
+                Engine::Cpu(Box::new(CpuEngine::new(setup, network, points, moving_from, adam, iteration)))
+            }
+        };
+        self.engine = Some(engine);
         Event::ScaleStarted { progress: self.progress(), sigma, grid: [grid.width, grid.height] }
+    }
+
+    /// Goes on without the device.
+    fn leave_gpu(&mut self, adam: Adam, reason: String) -> Event {
+        self.resumed = Some(adam);
+        self.engine = None;
+        self.gpu_network = None;
+        self.gpu = None;
+        Event::EngineChanged { reason }
+    }
+
+    /// Computes on this device from now on, with buffers of up to `memory` bytes; with none, on the processor. The
+    /// points, moments and iterations that came back last are kept.
+    pub fn use_gpu(&mut self, gpu: Option<Arc<Gpu>>, memory: u64) {
+        self.restart_scale();
+        self.network = None;
+        self.gpu_network = None;
+        self.gpu = gpu.map(|gpu| (gpu, memory));
+    }
+
+    /// Gives up what has not come back yet: the scale at hand is set up again from the last complete iteration.
+    fn restart_scale(&mut self) {
+        if let Some(engine) = self.engine.take() {
+            self.resumed = Some(engine.adam().clone());
+        }
+    }
+
+    /// The device in use.
+    #[must_use]
+    pub fn gpu(&self) -> Option<&Arc<Gpu>> {
+        self.gpu.as_ref().map(|(gpu, _)| gpu)
+    }
+
+    /// Whether iterations that came back together have not all been told yet.
+    #[must_use]
+    pub fn has_more_to_tell(&self) -> bool {
+        !self.told.is_empty()
+    }
+
+    /// Waits for the device after [`Event::Waiting`]; the whole program waits. In a browser a worker has to wait for
+    /// [`Gpu::report`] instead.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn wait(&self) {
+        if let Some(Engine::Gpu(engine)) = &self.engine {
+            engine.wait();
+        }
     }
 
     /// The stage of the engine that the next [`Self::advance`] works on, for timings.
     #[must_use]
     pub fn stage(&self) -> Option<Stage> {
-        self.engine.as_ref().and_then(CpuEngine::stage)
+        self.engine.as_ref().and_then(Engine::stage)
     }
 
     /// Does one bounded piece of work.
@@ -384,15 +463,36 @@ impl Synthesis {
     /// # Errors
     /// When the loss stops being finite; the points of the iteration before are kept.
     pub fn advance(&mut self) -> Result<Event, SynthesisError> {
+        self.advance_by(u32::MAX)
+    }
+
+    /// The same for someone who wants `most` iterations more and then to stop: on a device, which is given work ahead
+    /// of what is seen of it, no more are begun.
+    ///
+    /// # Errors
+    /// Those of [`Self::advance`].
+    pub fn advance_by(&mut self, most: u32) -> Result<Event, SynthesisError> {
+        if let Some(event) = self.told.pop_front() {
+            return Ok(event);
+        }
         if self.finished {
             return Ok(Event::Finished);
         }
         if self.engine.is_some() && self.scale_is_over() {
             return Ok(self.end_scale());
         }
+        if matches!(&self.engine, Some(Engine::Gpu(engine)) if engine.ahead() > most) {
+            self.restart_scale();
+        }
+        let left = self.schedule.scales[self.scale].iterations - self.losses.len() as u32;
         let Some(engine) = &mut self.engine else { return Ok(self.begin_scale()) };
-        match engine.advance() {
+        match engine.advance(left.min(most)) {
             Advance::Working => Ok(Event::Working),
+            Advance::Waiting => Ok(Event::Waiting),
+            Advance::Lost(reason) => {
+                let adam = engine.adam().clone();
+                Ok(self.leave_gpu(adam, reason))
+            }
             Advance::Flat => {
                 // Whatever scale comes first has the long way to go.
                 let unused = self.schedule.scales[self.scale].iterations;
@@ -406,11 +506,14 @@ impl Synthesis {
             Advance::NotFinite => {
                 Err(SynthesisError::NotFinite { scale: self.scale, iteration: self.losses.len() as u32 })
             }
-            Advance::Iterated(loss) => {
+            Advance::Iterated(losses) => {
                 self.points.copy_from_slice(engine.points());
-                self.losses.push(loss.total());
-                self.total_iterations += 1;
-                Ok(Event::Iterated { progress: self.progress(), loss })
+                for loss in losses {
+                    self.losses.push(loss.total());
+                    self.total_iterations += 1;
+                    self.told.push_back(Event::Iterated { progress: self.progress(), loss });
+                }
+                Ok(self.told.pop_front().unwrap_or(Event::Working))
             }
         }
     }
@@ -425,7 +528,11 @@ impl Synthesis {
 
     fn end_scale(&mut self) -> Event {
         let event = Event::ScaleFinished { progress: self.progress(), converged: self.scale_converged() };
-        self.network = self.engine.take().map(CpuEngine::into_network);
+        match self.engine.take() {
+            Some(Engine::Cpu(engine)) => self.network = Some(engine.into_network()),
+            Some(Engine::Gpu(engine)) => self.gpu_network = Some(engine.into_network()),
+            None => {}
+        }
         self.losses.clear();
         self.scale += 1;
         if self.scale == self.schedule.scales.len() {
@@ -435,6 +542,7 @@ impl Synthesis {
                 self.class -= 1;
                 self.finished = true;
                 self.network = None;
+                self.gpu_network = None;
             } else {
                 // Forgets what flat scales passed on.
                 self.schedule = self.fresh_schedule();
@@ -450,7 +558,15 @@ impl Synthesis {
     /// Those of [`Self::advance`].
     pub fn run(&mut self, iterations: u64) -> Result<(), SynthesisError> {
         let end = self.total_iterations.saturating_add(iterations);
-        while self.total_iterations < end && self.advance()? != Event::Finished {}
+        while self.total_iterations < end {
+            let most = u32::try_from(end - self.total_iterations).unwrap_or(u32::MAX);
+            match self.advance_by(most)? {
+                Event::Finished => break,
+                #[cfg(not(target_arch = "wasm32"))]
+                Event::Waiting => self.wait(),
+                _ => {}
+            }
+        }
         Ok(())
     }
 

@@ -25,6 +25,15 @@ async function crash(how) {
   return /** @type {() => void} */ (instance.exports.f)();
 }
 
+/** What the browser tells about the adapter that the module will get; the module itself can't ask. */
+async function describeAdapter() {
+  const adapter = await navigator.gpu?.requestAdapter({ powerPreference: 'high-performance' }).catch(() => null);
+  if (!adapter) return null;
+  const { vendor, architecture, device, description, isFallbackAdapter } = adapter.info;
+  const name = description || [vendor, device || architecture].filter(Boolean).join(' ');
+  return { name, software: isFallbackAdapter || /swiftshader|llvmpipe|basic render/i.test(`${architecture} ${name}`) };
+}
+
 /** Requests are answered one after the other, also while the wasm is still loading. */
 let line = Promise.resolve();
 let dead = false;
@@ -34,8 +43,12 @@ self.onmessage = ({ data: { id, request } }) => {
     if (dead) return;
     try {
       const ready = await session;
-      if (isTest && request.type === 'crash') await crash(request.how);
-      const response = ready.handle(request);
+      if (isTest && request.type === 'crash') {
+        if (request.how === 'device') ready.destroyDevice();
+        else await crash(request.how);
+      }
+      if (request.type === 'engine') request.adapter = await describeAdapter();
+      const response = await ready.answer(request);
       self.postMessage({ id, response });
     } catch (error) {
       dead = true;

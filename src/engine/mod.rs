@@ -1,9 +1,10 @@
 //! What an engine does: measure the exemplar at one scale, then move the output's points iteration by iteration.
 //!
 //! An engine works in exemplar units and knows nothing of files, pages or names. A [`ScaleSetup`] says all it needs;
-//! [`cpu::CpuEngine`] runs it in bounded steps.
+//! [`cpu::CpuEngine`] and [`gpu::GpuEngine`] run it in bounded steps.
 
 pub mod cpu;
+pub mod gpu;
 
 use glam::DVec2;
 
@@ -12,10 +13,13 @@ use crate::method::Parameters;
 use crate::method::schedule::Scale;
 use crate::synthesis::LossTerms;
 
+use cpu::CpuEngine;
+use cpu::adam::Adam;
 use cpu::correlation::Lags;
 use cpu::gabor::{CUTOFF_SIGMAS, Grid, Wave};
-use cpu::network::View;
+use cpu::network::{Stage, View};
 use cpu::normalization::Region;
+use gpu::GpuEngine;
 
 /// One class on one scale: everything an engine needs, in exemplar units.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,14 +112,64 @@ fn grid(size: DVec2, resolution: f64, boundary: Boundary) -> Grid {
 }
 
 /// What one call of an engine brought.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Advance {
     /// Part of the exemplar's statistics or of an iteration.
     Working,
+    /// There is nothing to do before the device reports something.
+    Waiting,
     /// The exemplar's maps are flat at this scale: there is nothing to match, and nothing was done.
     Flat,
-    /// The points have moved; this was the loss before.
-    Iterated(LossTerms),
+    /// The points have moved, once for each loss; these were the losses before each move.
+    Iterated(Vec<LossTerms>),
     /// The loss or its gradient is no longer finite; the points have not moved.
     NotFinite,
+    /// The device stopped working, for this reason; the points are those that came back last.
+    Lost(String),
+}
+
+/// Whatever computes.
+#[derive(Debug)]
+pub enum Engine {
+    /// The processor.
+    Cpu(Box<CpuEngine>),
+    /// A graphics device.
+    Gpu(Box<GpuEngine>),
+}
+
+impl Engine {
+    /// Does a bounded piece of work. At most `most` iterations more are begun than have come back.
+    pub fn advance(&mut self, most: u32) -> Advance {
+        match self {
+            Self::Cpu(engine) => engine.advance(),
+            Self::Gpu(engine) => engine.advance(most),
+        }
+    }
+
+    /// The output's points, in exemplar units.
+    #[must_use]
+    pub fn points(&self) -> &[DVec2] {
+        match self {
+            Self::Cpu(engine) => engine.points(),
+            Self::Gpu(engine) => engine.points(),
+        }
+    }
+
+    /// The moments of the moving points.
+    #[must_use]
+    pub fn adam(&self) -> &Adam {
+        match self {
+            Self::Cpu(engine) => engine.adam(),
+            Self::Gpu(engine) => engine.adam(),
+        }
+    }
+
+    /// The stage the next piece of work belongs to, where that is known.
+    #[must_use]
+    pub fn stage(&self) -> Option<Stage> {
+        match self {
+            Self::Cpu(engine) => engine.stage(),
+            Self::Gpu(_) => None,
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
-use super::protocol::Response;
+use super::protocol::{Request, Response};
 use super::session::Session;
 
 #[wasm_bindgen]
@@ -30,14 +30,40 @@ impl WorkerSession {
 
     /// Answers one request. Requests and responses are plain objects, see `www/app/messages.js`.
     pub fn handle(&mut self, request: JsValue) -> JsValue {
-        let response = match serde_wasm_bindgen::from_value(request) {
+        let response = match read(&request) {
             Ok(request) => self.0.handle(request, &now),
-            Err(error) => {
-                Response::Error { message: format!("the worker does not understand the page: {error}"), place: None }
-            }
+            Err(error) => misunderstood(&error),
         };
         to_js(&response)
     }
+
+    /// The same as a promise: what takes a device can only be answered this way. One request at a time.
+    pub async fn answer(&mut self, request: JsValue) -> JsValue {
+        let response = match read(&request) {
+            Ok(request) => self.0.answer(request, &now).await,
+            Err(error) => misunderstood(&error),
+        };
+        to_js(&response)
+    }
+
+    /// Makes the device stop working, as unplugging it would; for tests.
+    #[wasm_bindgen(js_name = destroyDevice)]
+    pub fn destroy_device(&self) {
+        self.0.destroy_device();
+    }
+}
+
+/// Reads a request: its `type` says which, so it becomes the key.
+fn read(request: &JsValue) -> Result<Request, serde_wasm_bindgen::Error> {
+    let keyed = js_sys::Object::new();
+    let key = js_sys::Reflect::get(request, &"type".into()).unwrap_or(JsValue::UNDEFINED);
+    // Setting a member of a plain object can't fail; a key that is no string becomes one that no request has.
+    let _ = js_sys::Reflect::set(&keyed, &key, request);
+    serde_wasm_bindgen::from_value(keyed.into())
+}
+
+fn misunderstood(error: &serde_wasm_bindgen::Error) -> Response {
+    Response::Error { message: format!("the worker does not understand the page: {error}"), place: None }
 }
 
 /// Times an iteration: a workload as JSON in, a report as JSON out (see [`crate::bench`]).

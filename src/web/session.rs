@@ -1,21 +1,27 @@
 //! What a request does. No browser in sight: the clock comes in as a function.
 
+use std::sync::Arc;
+
 use serde_json::{Map, Value};
 use thiserror::Error;
 
 use crate::PointPattern;
+use crate::engine::gpu::{self, Gpu, GpuError, OpenOptions};
 use crate::formats::{self, FormatError, ReadOptions, SvgStyle};
 use crate::gallery;
 use crate::method::{ParameterError, Parameters, Preset};
 use crate::synthesis::{Event, Progress, Synthesis, SynthesisError, SynthesisState};
 
 use super::protocol::{
-    EngineView, ExportFormat, GalleryEntryView, PatternView, Place, Points, PresetView, RangeView, Request, Response,
-    Source,
+    AdapterView, EngineChoice, EngineView, ExportFormat, GalleryEntryView, PatternView, Place, Points, PresetView,
+    RangeView, Request, Response, Source,
 };
 
 /// Memory a run may take, in bytes. A 32-bit address space ends at 4 GB, a phone's patience well before.
 const MEMORY_LIMIT: u64 = 1_500_000_000;
+
+/// Memory a run may take on the GPU, in bytes: a browser does not tell what is free.
+const DEVICE_MEMORY: u64 = 1_500_000_000;
 
 /// One batch works at most this long, in milliseconds, whatever the page asks: a save or a pause must get through.
 const LONGEST_BUDGET_MS: f64 = 1000.0;
@@ -61,6 +67,8 @@ struct Run {
     unit: f64,
     /// Work since the last complete iteration, in milliseconds.
     pending_ms: f64,
+    /// Iterations that came back since then: a device brings several at once.
+    pending: u32,
     /// Milliseconds of work an iteration on this scale, smoothed.
     ms_per_iteration: Option<f64>,
     /// Milliseconds of work the whole run would take at the present speed, smoothed.
@@ -77,36 +85,116 @@ fn smooth(old: Option<f64>, new: f64) -> Option<f64> {
 impl Run {
     fn new(synthesis: Synthesis, unit: f64) -> Self {
         let done = synthesis.progress().done;
-        Self { synthesis, unit, pending_ms: 0.0, ms_per_iteration: None, ms_per_run: None, done, finished: false }
+        Self {
+            synthesis,
+            unit,
+            pending_ms: 0.0,
+            pending: 0,
+            ms_per_iteration: None,
+            ms_per_run: None,
+            done,
+            finished: false,
+        }
+    }
+
+    /// Learns the speed from what came back.
+    fn flush(&mut self) {
+        if self.pending == 0 {
+            return;
+        }
+        self.ms_per_iteration = smooth(self.ms_per_iteration, self.pending_ms / f64::from(self.pending));
+        let done = self.synthesis.progress().done;
+        if done > self.done {
+            self.ms_per_run = smooth(self.ms_per_run, self.pending_ms / (done - self.done));
+        }
+        self.done = done;
+        self.pending_ms = 0.0;
+        self.pending = 0;
     }
 
     fn clock(&mut self, event: &Event) {
         match event {
-            Event::Iterated { progress, .. } => {
-                self.ms_per_iteration = smooth(self.ms_per_iteration, self.pending_ms);
-                if progress.done > self.done {
-                    self.ms_per_run = smooth(self.ms_per_run, self.pending_ms / (progress.done - self.done));
-                }
-                self.done = progress.done;
-                self.pending_ms = 0.0;
-            }
+            Event::Iterated { .. } => self.pending += 1,
             // Another grid has another speed, and setting it up belongs to no iteration.
             Event::ScaleStarted { progress, .. } => {
                 self.ms_per_iteration = None;
                 self.done = progress.done;
                 self.pending_ms = 0.0;
+                self.pending = 0;
             }
             // A scale that converges early jumps ahead without work.
-            Event::ScaleFinished { progress, .. } => self.done = progress.done,
-            Event::Working | Event::Finished => {}
+            Event::ScaleFinished { progress, .. } => {
+                self.flush();
+                self.done = progress.done;
+            }
+            Event::Working | Event::Waiting | Event::EngineChanged { .. } | Event::Finished => {}
         }
     }
 }
 
-/// What one worker holds: at most one run.
+/// A batch that is being filled.
+struct Pull {
+    /// When to stop, and when the last look at the clock was, in milliseconds.
+    end: f64,
+    before: f64,
+    /// Iterations still wanted.
+    left: u32,
+    /// Whether any came back.
+    moved: bool,
+    events: Vec<Event>,
+}
+
+/// Why a batch is not filled any further.
+enum Pulled {
+    Full,
+    /// For the device.
+    Waiting,
+    /// The device can't be used any more, for this reason.
+    EngineGone(String),
+}
+
+/// What one worker holds: at most one run, and at most one device.
 #[derive(Debug, Default)]
 pub struct Session {
     run: Option<Run>,
+    gpu: Option<Arc<Gpu>>,
+    /// What the browser told about it.
+    adapter: Option<AdapterView>,
+    /// How many were lost since the person chose.
+    devices_lost: u32,
+    /// What computes now, and why, if that has not been told yet.
+    change: Option<(EngineView, String)>,
+}
+
+/// The processor.
+fn cpu() -> EngineView {
+    let simd = if cfg!(any(not(target_arch = "wasm32"), target_feature = "simd128")) { "SIMD, " } else { "" };
+    let threads = if cfg!(target_arch = "wasm32") { "1 thread" } else { "all cores" };
+    EngineView {
+        gpu: false,
+        name: format!("CPU · {simd}{threads}"),
+        meaning: "The processor of this machine computes".to_owned(),
+    }
+}
+
+fn capital(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn on_cpu(reason: &str) -> String {
+    format!("{}. The processor computes instead.", capital(reason.trim_end_matches('.')))
+}
+
+/// A device that has passed the probe.
+async fn open() -> Result<Arc<Gpu>, GpuError> {
+    let gpu = Gpu::open(OpenOptions::default()).await?;
+    gpu::probe::probe(&gpu).await?;
+    Ok(gpu)
+}
+
+fn answered(response: Result<Response, Refusal>) -> Response {
+    response.unwrap_or_else(|refusal| Response::Error { message: refusal.to_string(), place: refusal.place() })
 }
 
 impl Session {
@@ -119,16 +207,18 @@ impl Session {
     /// Answers one request. `now_ms` is a clock that never runs backwards, in milliseconds.
     pub fn handle(&mut self, request: Request, now_ms: &dyn Fn() -> f64) -> Response {
         let response = match request {
-            Request::Describe => Ok(describe()),
-            Request::Gallery => Ok(list_gallery()),
+            Request::Describe {} => Ok(describe()),
+            // Without waiting there is only one engine; see [`Self::answer`].
+            Request::Engine { .. } => Ok(Response::Engine { engine: cpu(), note: None }),
+            Request::Gallery {} => Ok(list_gallery()),
             Request::Open { exemplar } => read(exemplar).map(|exemplar| Response::Opened { exemplar: view(&exemplar) }),
             Request::Start { exemplar, preset, overrides } => self.start(exemplar, &preset, overrides),
             Request::Run { budget_ms, max_iterations } => self.advance(budget_ms, max_iterations, now_ms),
             Request::Export { format } => self.export(format),
-            Request::Save => self.save(),
+            Request::Save {} => self.save(),
             Request::Resume { state } => self.resume(&state),
         };
-        response.unwrap_or_else(|refusal| Response::Error { message: refusal.to_string(), place: refusal.place() })
+        answered(response)
     }
 
     fn start(&mut self, exemplar: Source, preset: &str, overrides: Map<String, Value>) -> Result<Response, Refusal> {
@@ -143,7 +233,8 @@ impl Session {
         self.adopt(Synthesis::resume(state, MEMORY_LIMIT)?)
     }
 
-    fn adopt(&mut self, synthesis: Synthesis) -> Result<Response, Refusal> {
+    fn adopt(&mut self, mut synthesis: Synthesis) -> Result<Response, Refusal> {
+        synthesis.use_gpu(self.gpu.clone(), DEVICE_MEMORY);
         let exemplar = synthesis.exemplar();
         let unit = exemplar.domain().exemplar_unit();
         let response = Response::Started {
@@ -156,43 +247,184 @@ impl Session {
         Ok(response)
     }
 
-    fn advance(&mut self, budget_ms: f64, max_iterations: u32, now_ms: &dyn Fn() -> f64) -> Result<Response, Refusal> {
-        let run = self.run.as_mut().ok_or(Refusal::NoRun)?;
+    /// Starts answering [`Request::Run`].
+    fn begin(budget_ms: f64, max_iterations: u32, now_ms: &dyn Fn() -> f64) -> Pull {
         // NaN counts as no budget.
         let budget_ms = if budget_ms > 0.0 { budget_ms.min(LONGEST_BUDGET_MS) } else { 0.0 };
         let start = now_ms();
-        let mut before = start;
-        let mut events = Vec::new();
-        let mut iterations = 0;
+        Pull { end: start + budget_ms, before: start, left: max_iterations.max(1), moved: false, events: Vec::new() }
+    }
+
+    /// Works on the run until the batch is full or there is nothing to do but wait.
+    fn pull(&mut self, pull: &mut Pull, now_ms: &dyn Fn() -> f64) -> Result<Pulled, Refusal> {
+        let run = self.run.as_mut().ok_or(Refusal::NoRun)?;
         while !run.finished {
-            let event = run.synthesis.advance()?;
+            let event = run.synthesis.advance_by(pull.left)?;
             let after = now_ms();
-            run.pending_ms += after - before;
-            before = after;
+            run.pending_ms += after - pull.before;
+            pull.before = after;
             run.clock(&event);
             match event {
-                Event::Iterated { .. } => iterations += 1,
-                Event::Finished => run.finished = true,
-                _ => {}
+                Event::Working => {}
+                Event::Waiting if after < pull.end => return Ok(Pulled::Waiting),
+                Event::Waiting => break,
+                Event::EngineChanged { reason } => {
+                    self.gpu = None;
+                    return Ok(Pulled::EngineGone(reason));
+                }
+                event => {
+                    match event {
+                        Event::Iterated { .. } => {
+                            pull.left -= 1;
+                            pull.moved = true;
+                        }
+                        Event::Finished => run.finished = true,
+                        _ => {}
+                    }
+                    pull.events.push(event);
+                }
             }
-            if event != Event::Working {
-                events.push(event);
-            }
-            if iterations >= max_iterations.max(1) || after - start >= budget_ms {
+            // Iterations that came back together are told together.
+            if pull.left == 0 || (after >= pull.end && !run.synthesis.has_more_to_tell()) {
                 break;
             }
         }
+        run.flush();
+        Ok(Pulled::Full)
+    }
+
+    fn batch(&mut self, pull: Pull) -> Result<Response, Refusal> {
+        let (engine, note) = self.change.take().unzip();
+        let run = self.run.as_ref().ok_or(Refusal::NoRun)?;
         let progress: Progress = run.synthesis.progress();
-        let moved = iterations > 0 || run.finished;
+        let moved = pull.moved || run.finished;
         let points = if moved { Some(points(&run.synthesis.output()?, run.unit)) } else { None };
         Ok(Response::Batch {
-            events,
+            events: pull.events,
             progress,
             points,
             iterations_per_second: run.ms_per_iteration.filter(|&ms| ms > 0.0).map(|ms| 1000.0 / ms),
             seconds_left: run.ms_per_run.map(|ms| ms * (1.0 - progress.done).max(0.0) / 1000.0),
+            engine,
+            note,
             finished: run.finished,
         })
+    }
+
+    fn advance(&mut self, budget_ms: f64, max_iterations: u32, now_ms: &dyn Fn() -> f64) -> Result<Response, Refusal> {
+        let mut pull = Self::begin(budget_ms, max_iterations, now_ms);
+        loop {
+            match self.pull(&mut pull, now_ms)? {
+                Pulled::Full => break,
+                // Only with a device, which only [`Self::answer`] can wait for.
+                Pulled::Waiting => break,
+                Pulled::EngineGone(reason) => self.change = Some((cpu(), on_cpu(&reason))),
+            }
+        }
+        self.batch(pull)
+    }
+
+    /// Answers one request, waiting for the device where that takes waiting.
+    pub async fn answer(&mut self, request: Request, now_ms: &dyn Fn() -> f64) -> Response {
+        let response = match request {
+            Request::Engine { choice, adapter } => Ok(self.choose_engine(choice, adapter).await),
+            Request::Run { budget_ms, max_iterations } if self.gpu.is_some() => {
+                self.advance_on_device(budget_ms, max_iterations, now_ms).await
+            }
+            other => return self.handle(other, now_ms),
+        };
+        answered(response)
+    }
+
+    async fn advance_on_device(
+        &mut self,
+        budget_ms: f64,
+        max_iterations: u32,
+        now_ms: &dyn Fn() -> f64,
+    ) -> Result<Response, Refusal> {
+        let mut pull = Self::begin(budget_ms, max_iterations, now_ms);
+        loop {
+            // Taken before the look, so that nothing is missed in between.
+            let report = self.gpu.as_ref().map(|gpu| gpu.report());
+            match self.pull(&mut pull, now_ms)? {
+                Pulled::Full => break,
+                Pulled::Waiting => self.wait(report).await,
+                Pulled::EngineGone(reason) => self.replace_device(&reason).await,
+            }
+        }
+        self.batch(pull)
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    async fn wait(&self, report: Option<crate::engine::gpu::Report>) {
+        if let Some(report) = report {
+            report.await;
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    async fn wait(&self, _: Option<crate::engine::gpu::Report>) {
+        if let Some(run) = &self.run {
+            run.synthesis.wait();
+        }
+    }
+
+    /// After a device was lost: once another one, then the processor.
+    async fn replace_device(&mut self, reason: &str) {
+        self.devices_lost += 1;
+        let fresh = if self.devices_lost == 1 { open().await.ok() } else { None };
+        self.change = Some(match &fresh {
+            Some(gpu) => {
+                let note = format!("{}. Going on with a fresh device from the last iteration.", capital(reason));
+                (self.gpu_view(gpu), note)
+            }
+            None => (cpu(), on_cpu(reason)),
+        });
+        self.use_gpu(fresh);
+    }
+
+    fn use_gpu(&mut self, gpu: Option<Arc<Gpu>>) {
+        self.gpu = gpu;
+        if let Some(run) = &mut self.run {
+            run.synthesis.use_gpu(self.gpu.clone(), DEVICE_MEMORY);
+        }
+    }
+
+    async fn choose_engine(&mut self, choice: EngineChoice, adapter: Option<AdapterView>) -> Response {
+        self.adapter = adapter;
+        self.devices_lost = 0;
+        let emulated = self.adapter.as_ref().is_some_and(|adapter| adapter.software);
+        let (gpu, note) = match choice {
+            EngineChoice::Cpu => (None, None),
+            EngineChoice::Auto if emulated => (
+                None,
+                Some("WebGPU is only emulated in this browser, so the processor computes: it is faster.".to_owned()),
+            ),
+            EngineChoice::Auto | EngineChoice::Gpu => match open().await {
+                Ok(gpu) => (Some(gpu), None),
+                Err(error) => (None, Some(on_cpu(&error.to_string()))),
+            },
+        };
+        let engine = gpu.as_ref().map_or_else(cpu, |gpu| self.gpu_view(gpu));
+        self.use_gpu(gpu);
+        Response::Engine { engine, note }
+    }
+
+    fn gpu_view(&self, gpu: &Gpu) -> EngineView {
+        let told = self.adapter.as_ref().map_or("", |adapter| adapter.name.as_str());
+        let name = [told, gpu.info().name.as_str()].into_iter().find(|name| !name.is_empty()).unwrap_or("GPU");
+        EngineView {
+            gpu: true,
+            name: name.to_owned(),
+            meaning: format!("{} on the graphics card: {name}", gpu.info().backend),
+        }
+    }
+
+    /// Makes the device stop working, as unplugging it would; for tests.
+    pub fn destroy_device(&self) {
+        if let Some(gpu) = &self.gpu {
+            gpu.destroy();
+        }
     }
 
     fn export(&self, format: ExportFormat) -> Result<Response, Refusal> {
@@ -293,12 +525,7 @@ fn describe() -> Response {
             meaning: range.meaning.to_owned(),
         })
         .collect();
-    let engine = EngineView {
-        name: "CPU".to_owned(),
-        simd: cfg!(any(not(target_arch = "wasm32"), target_feature = "simd128")),
-        threads: 1,
-    };
-    Response::Description { version: env!("CARGO_PKG_VERSION").to_owned(), engine, presets, ranges }
+    Response::Description { version: env!("CARGO_PKG_VERSION").to_owned(), engine: cpu(), presets, ranges }
 }
 
 fn list_gallery() -> Response {
@@ -356,7 +583,9 @@ mod tests {
             clock.set(clock.get() + 1.0);
             clock.get()
         };
-        let response = session.handle(serde_json::from_value(request).unwrap(), &now);
+        let kind = request["type"].as_str().unwrap().to_owned();
+        let request = serde_json::from_value(json!({ kind: request })).unwrap();
+        let response = session.handle(request, &now);
         serde_json::to_value(response).unwrap()
     }
 
@@ -401,7 +630,10 @@ mod tests {
         assert_eq!(answer["presets"].as_array().unwrap().len(), Preset::ALL.len());
         assert_eq!(answer["ranges"].as_array().unwrap().len(), Parameters::RANGES.len());
         assert_eq!(answer["presets"][0]["parameters"]["channels"], json!(Parameters::preset(Preset::Fast).channels));
-        assert_eq!(answer["engine"], json!({ "name": "CPU", "simd": true, "threads": 1 }));
+        assert_eq!(
+            answer["engine"],
+            json!({ "gpu": false, "name": "CPU · SIMD, all cores", "meaning": "The processor of this machine computes" })
+        );
     }
 
     #[test]

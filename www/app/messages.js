@@ -8,9 +8,12 @@
 
 /** @typedef {{ source: 'gallery', name: string } | { source: 'file', name: string, bytes: Uint8Array }} Source */
 /** @typedef {'csv' | 'svg' | 'json'} ExportFormat */
+/** @typedef {'auto' | 'cpu' | 'gpu'} EngineChoice */
+/** @typedef {{ name: string, software: boolean }} AdapterView */
 
 // What the page asks.
 /** @typedef {{ type: 'describe' }} DescribeRequest */
+/** @typedef {{ type: 'engine', choice: EngineChoice, adapter?: AdapterView | null }} EngineRequest */
 /** @typedef {{ type: 'gallery' }} GalleryRequest */
 /** @typedef {{ type: 'open', exemplar: Source }} OpenRequest */
 /** @typedef {{ type: 'start', exemplar: Source, preset: string, overrides: Record<string, number | string> }} StartRequest */
@@ -19,35 +22,37 @@
 /** @typedef {{ type: 'save' }} SaveRequest */
 /** @typedef {{ type: 'resume', state: string }} ResumeRequest */
 /**
- * @typedef {DescribeRequest | GalleryRequest | OpenRequest | StartRequest | RunRequest | ExportRequest | SaveRequest
+ * @typedef {DescribeRequest | EngineRequest | GalleryRequest | OpenRequest | StartRequest | RunRequest | ExportRequest | SaveRequest
  *   | ResumeRequest} Request
  */
 
 // What the worker answers.
 /** @typedef {{ type: 'description', version: string, engine: EngineView, presets: PresetView[], ranges: RangeView[] }} DescriptionResponse */
+/** @typedef {{ type: 'engine', engine: EngineView, note: string | null }} EngineResponse */
 /** @typedef {{ type: 'gallery', entries: GalleryEntryView[] }} GalleryResponse */
 /** @typedef {{ type: 'opened', exemplar: PatternView }} OpenedResponse */
 /** @typedef {{ type: 'started', exemplar: PatternView, output: PatternView, parameters: Parameters, progress: Progress }} StartedResponse */
 /**
  * @typedef {{ type: 'batch', events: RunEvent[], progress: Progress, points: Points | null,
- *   iterationsPerSecond: number | null, secondsLeft: number | null, finished: boolean }} BatchResponse
+ *   iterationsPerSecond: number | null, secondsLeft: number | null,
+ *   engine: EngineView | null, note: string | null, finished: boolean }} BatchResponse
  */
 /** @typedef {{ type: 'exported', format: ExportFormat, text: string, points: number }} ExportedResponse */
 /** @typedef {{ type: 'saved', state: string, progress: Progress }} SavedResponse */
 /** @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null }} ErrorResponse */
 /**
- * @typedef {DescriptionResponse | GalleryResponse | OpenedResponse | StartedResponse | BatchResponse
+ * @typedef {DescriptionResponse | EngineResponse | GalleryResponse | OpenedResponse | StartedResponse | BatchResponse
  *   | ExportedResponse | SavedResponse | ErrorResponse} Response
  */
 
 /**
  * Which answer belongs to which question.
- * @typedef {{ describe: DescriptionResponse, gallery: GalleryResponse, open: OpenedResponse, start: StartedResponse,
+ * @typedef {{ describe: DescriptionResponse, engine: EngineResponse, gallery: GalleryResponse, open: OpenedResponse, start: StartedResponse,
  *   run: BatchResponse, export: ExportedResponse, save: SavedResponse, resume: StartedResponse }} Answers
  */
 
 // What they hold.
-/** @typedef {{ name: string, simd: boolean, threads: number }} EngineView */
+/** @typedef {{ gpu: boolean, name: string, meaning: string }} EngineView */
 /** @typedef {{ name: string, title: string, meaning: string, parameters: Parameters }} PresetView */
 /** @typedef {{ name: string, min: number, max: number, whole: boolean, meaning: string }} RangeView */
 /** @typedef {{ name: string, title: string, caption: string, pattern: PatternView }} GalleryEntryView */

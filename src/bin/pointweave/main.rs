@@ -1,6 +1,7 @@
 //! Command line of Pointweave.
 
 mod bench;
+mod device;
 mod failure;
 mod files;
 mod gallery;
@@ -28,6 +29,7 @@ enum Command {
     Synth(Box<synth::SynthArguments>),
     Gallery(gallery::GalleryArguments),
     Bench(bench::BenchArguments),
+    Devices(device::DevicesArguments),
 }
 
 const AFTER_HELP: &str = "\
@@ -36,6 +38,7 @@ Examples:
   pointweave synth gallery:rings -o rings.svg          twice as wide and high, as a picture
   pointweave synth trees.csv -o forest.csv --scale 3   your own points
   pointweave bench --threads 2                         seconds per iteration, by stage
+  pointweave devices                                   which GPUs there are, and whether they compute correctly
   pointweave help synth                                everything about synth
 
 Exit codes:
@@ -49,6 +52,7 @@ fn main() -> ExitCode {
         Command::Synth(arguments) => synth::run(*arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Devices(arguments) => device::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

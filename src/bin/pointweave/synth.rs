@@ -11,6 +11,7 @@ use pointweave::formats::ReadOptions;
 use pointweave::method::{Parameters, Preset};
 use pointweave::synthesis::{Event, Synthesis, SynthesisError, SynthesisState};
 
+use crate::device::{self, DEVICE_MEMORY, EngineArgument};
 use crate::failure::Failure;
 use crate::files::{self, Format, Output};
 use crate::memory;
@@ -66,6 +67,9 @@ pub(crate) struct SynthArguments {
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = settings::parse_setting)]
     settings: Vec<(String, String)>,
 
+    /// What computes
+    #[arg(long, value_enum, default_value_t)]
+    engine: EngineArgument,
     /// Threads to use [default: one a core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -117,8 +121,10 @@ pub(crate) fn run(arguments: SynthArguments) -> Result<(), Failure> {
     let started = Instant::now();
     let mut synthesis = begin(&arguments, memory_limit)?;
     let speaking = !arguments.quiet && stderr().is_terminal();
+    let gpu = device::choose(arguments.engine)?;
+    synthesis.use_gpu(gpu, DEVICE_MEMORY);
     let bar = progress_bar(speaking);
-    let outcome = advance(&mut synthesis, arguments.max_iterations, &bar);
+    let outcome = advance(&mut synthesis, &arguments, &bar);
     bar.finish_and_clear();
     outcome.map_err(|error| Failure::Run(error.to_string()))?;
 
@@ -187,12 +193,25 @@ fn read_state(path: &Path) -> Result<SynthesisState, Failure> {
         .map_err(|error| Failure::Run(format!("'{}' is not a saved state: {error}", path.display())))
 }
 
-/// Drives the run to its end, or to `max_iterations`.
-fn advance(synthesis: &mut Synthesis, max_iterations: Option<u64>, bar: &ProgressBar) -> Result<(), SynthesisError> {
-    let enough = |synthesis: &Synthesis| max_iterations.is_some_and(|max| synthesis.progress().total_iterations >= max);
-    while !enough(synthesis) {
-        match synthesis.advance()? {
+/// Drives the run to its end, or to the most iterations asked for.
+fn advance(synthesis: &mut Synthesis, arguments: &SynthArguments, bar: &ProgressBar) -> Result<(), SynthesisError> {
+    let left = |synthesis: &Synthesis| match arguments.max_iterations {
+        Some(max) => u32::try_from(max.saturating_sub(synthesis.progress().total_iterations)).unwrap_or(u32::MAX),
+        None => u32::MAX,
+    };
+    let mut devices_lost = 0;
+    while left(synthesis) > 0 {
+        match synthesis.advance_by(left(synthesis))? {
             Event::Working => bar.tick(),
+            Event::Waiting => synthesis.wait(),
+            Event::EngineChanged { reason } => {
+                // A device may be lost to a passing fault, a second one hardly.
+                devices_lost += 1;
+                let again = if devices_lost == 1 { device::open().ok() } else { None };
+                let on = if again.is_some() { "a fresh device" } else { "the processor" };
+                bar.suspend(|| eprintln!("pointweave: {reason}; going on with {on}"));
+                synthesis.use_gpu(again, DEVICE_MEMORY);
+            }
             Event::ScaleStarted { progress, .. } | Event::ScaleFinished { progress, .. } => {
                 bar.set_position((progress.done * PROGRESS_STEPS) as u64);
             }

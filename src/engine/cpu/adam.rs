@@ -10,6 +10,12 @@ const BETA2: f64 = 0.999;
 /// Keeps the step finite where the gradient vanishes.
 const EPSILON: f64 = 1e-8;
 
+/// What a step divides the moments by, inverted: `1 / (1 − βᵗ)` for both, after `steps` steps.
+#[must_use]
+pub fn correction(steps: u32) -> [f64; 2] {
+    [BETA1, BETA2].map(|beta| 1.0 / (1.0 - libm::pow(beta, f64::from(steps))))
+}
+
 /// The moments of the moving points.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Adam {
@@ -31,8 +37,7 @@ impl Adam {
     /// Moves `points` against `gradients`.
     pub fn step(&mut self, points: &mut [DVec2], gradients: &[[f64; 2]], learning_rate: f64) {
         self.steps += 1;
-        let correction = |beta: f64| 1.0 - libm::pow(beta, f64::from(self.steps));
-        let (first_scale, second_scale) = (1.0 / correction(BETA1), 1.0 / correction(BETA2));
+        let [first_scale, second_scale] = correction(self.steps);
         for (((point, gradient), first), second) in
             points.iter_mut().zip(gradients).zip(&mut self.first).zip(&mut self.second)
         {

@@ -144,52 +144,36 @@ impl<T: Real> Filters<T> {
     where
         Signal<T, N>: Transform<T, N>,
     {
-        struct TransformKernels<'a, T, const N: usize> {
-            tile: &'a [Lanes<T>],
-            spectrum: &'a mut [Signal<T, N>],
-            twiddles: &'a Twiddles<T, N>,
-        }
-        impl<T: Real, const N: usize> Kernel for TransformKernels<'_, T, N>
-        where
-            Signal<T, N>: Transform<T, N>,
-        {
-            #[inline(always)]
-            fn run<const FMA: bool>(self) {
-                tile_fft::forward(self.tile, self.spectrum, self.twiddles);
-            }
-        }
         let scale = 1.0 / (2 * N * N) as f64;
         let (c_in, c_out) = (self.channels_in, self.channels_out);
-        let twiddles = Twiddles::<T, N>::new();
-        let mut spectrum = vec![Signal::<T, N>::ZERO; N];
-        let mut tile = vec![Lanes::ZERO; N * N];
+        // All kernels of one input channel are an image of 7 × 7 pixels, which goes the way of all images.
+        let mut kernels = vec![T::ZERO; KERNEL * KERNEL * c_out];
+        let mut spectrum = vec![T::ZERO; self.tile.frequencies() * 2 * c_out];
         for from in 0..channels_in {
-            for group in (0..channels_out).step_by(LANES) {
-                for y in 0..KERNEL {
-                    for x in 0..KERNEL {
-                        tile[y * N + x] = Lanes(std::array::from_fn(|lane| {
-                            let to = group + lane;
-                            if to < channels_out {
-                                T::rounded(
-                                    // Halved here: `forward` gives twice the transform.
-                                    0.5 * scale * weights[((to * channels_in + from) * KERNEL + y) * KERNEL + x],
-                                )
-                            } else {
-                                T::ZERO
-                            }
-                        }));
-                    }
-                }
-                lanes::run(TransformKernels { tile: &tile, spectrum: &mut spectrum, twiddles: &twiddles });
-                for ky in 0..N {
-                    for (kx, column) in spectrum[..=N / 2].iter().enumerate() {
-                        let at = ((ky * (N / 2 + 1) + kx) * 2 * c_in + from) * c_out + group;
-                        column.re[ky].store(&mut self.spectra[at..]);
-                        column.im[ky].store(&mut self.spectra[at + c_in * c_out..]);
-                    }
+            for to in 0..channels_out {
+                let weights = &weights[(to * channels_in + from) * KERNEL * KERNEL..][..KERNEL * KERNEL];
+                for (pixel, weight) in kernels.chunks_exact_mut(c_out).zip(weights) {
+                    // Halved here: the transform gives twice what it should.
+                    pixel[to] = T::rounded(0.5 * scale * weight);
                 }
             }
+            let image = Image {
+                source: Source::Plain(&kernels),
+                height: KERNEL,
+                width: KERNEL,
+                channels: c_out,
+                boundary: Boundary::Open,
+            };
+            lanes::run(TransformFull::<T, N> { image, origin: [0, 0], out: &mut spectrum });
+            for (part, line) in spectrum.chunks_exact(c_out).enumerate() {
+                self.spectra[(part * c_in + from) * c_out..][..c_out].copy_from_slice(line);
+            }
         }
+    }
+
+    /// `[frequency, re | im, channels in, channels out]`, padded, with the scale said above.
+    pub(crate) fn spectra(&self) -> &[T] {
+        &self.spectra
     }
 
     /// Bytes held.

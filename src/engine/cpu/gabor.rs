@@ -68,7 +68,8 @@ pub struct Gabor<T> {
     gradients: Vec<[f64; 2]>,
 }
 
-fn span(grid: &Grid, wave: &Wave) -> [usize; 2] {
+/// Rows and columns of pixels that a point's window spans.
+pub(crate) fn span(grid: &Grid, wave: &Wave) -> [usize; 2] {
     // One pixel more to either side for the jitter and for the point's place within its pixel.
     [grid.pitch.y, grid.pitch.x].map(|pitch| 2 * ((wave.cutoff_sigmas * wave.sigma / pitch).ceil() as usize + 1) + 1)
 }

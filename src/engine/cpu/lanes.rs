@@ -103,7 +103,9 @@ pub fn run<K: Kernel>(kernel: K) {
     pulp::Arch::new().dispatch(Wrapped(kernel));
 }
 
-/// Runs a kernel with the instructions this build was made for.
+/// Runs a kernel with the instructions this build was made for. Not inlined: a module over the wire should hold each
+/// kernel once.
+#[inline(never)]
 #[cfg(not(target_arch = "x86_64"))]
 pub fn run<K: Kernel>(kernel: K) {
     kernel.run::<{ cfg!(target_arch = "aarch64") }>();

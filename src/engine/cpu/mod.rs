@@ -25,6 +25,7 @@ use crate::sampling::{Purpose, Rng};
 
 use adam::Adam;
 use network::{Evaluation, Network, Stage, Targets, best_tiles};
+pub(crate) use normalization::EPSILON;
 
 /// The arithmetic a run uses; double precision is for checking gradients.
 pub type Float = f32;
@@ -153,7 +154,7 @@ impl CpuEngine {
                 see(&self.points, self.setup.margin, &mut self.seen);
                 self.iteration += 1;
                 jitter(&self.setup, self.iteration, output);
-                Advance::Iterated(loss)
+                Advance::Iterated(vec![loss])
             }
         }
     }
@@ -182,28 +183,31 @@ impl CpuEngine {
 /// ones, following them would only stir the points. Ordinary patterns stay above a tenth of ε, lattices far below.
 fn is_flat(exemplar: &Evaluation<Float>) -> bool {
     let (_, statistics) = exemplar.image(0);
-    let variance = |inverse_deviation: Float| 1.0 / f64::from(inverse_deviation).powi(2) - normalization::EPSILON;
+    let variance = |inverse_deviation: Float| 1.0 / f64::from(inverse_deviation).powi(2) - EPSILON;
     let channels = exemplar.channels();
-    let seeing = statistics.inverse_deviation[..channels]
-        .iter()
-        .filter(|&&inverse| variance(inverse) > 1e-3 * normalization::EPSILON)
-        .count();
+    let seeing =
+        statistics.inverse_deviation[..channels].iter().filter(|&&inverse| variance(inverse) > 1e-3 * EPSILON).count();
     2 * seeing < channels
 }
 
 /// Shifts rows and columns of the grid for an iteration. Every iteration has its own stream, so that a saved run
 /// needs no state of a generator.
 fn jitter(setup: &ScaleSetup, iteration: u32, output: &mut Evaluation<Float>) {
-    let ScaleSetup { seed, class, scale, jitter_px, .. } = *setup;
-    let mut rng = Rng::new(seed, Purpose::Jitter { class, scale, iteration });
+    let mut rng = jitter_rng(setup, iteration);
     for shift in output.shifts_mut().iter_mut().flatten() {
-        *shift = rng.range(-jitter_px, jitter_px);
+        *shift = rng.range(-setup.jitter_px, setup.jitter_px);
     }
+}
+
+/// The generator of an iteration's jitter: first that of the rows, then that of the columns.
+pub(crate) fn jitter_rng(setup: &ScaleSetup, iteration: u32) -> Rng {
+    let ScaleSetup { seed, class, scale, .. } = *setup;
+    Rng::new(seed, Purpose::Jitter { class, scale, iteration })
 }
 
 /// A point that stepped over the border comes back: on the other side of a periodic domain, mirrored in an open one.
 /// (Clamping would line points up along the border.)
-fn keep_inside(point: DVec2, size: DVec2, boundary: Boundary) -> DVec2 {
+pub(crate) fn keep_inside(point: DVec2, size: DVec2, boundary: Boundary) -> DVec2 {
     let axis = |value: f64, side: f64| match boundary {
         Boundary::Periodic => {
             let wrapped = value.rem_euclid(side);

@@ -38,7 +38,8 @@ pub fn image_sizes(height: usize, width: usize) -> [(usize, usize); LAYERS + 1] 
     sizes
 }
 
-fn geometries(height: usize, width: usize, boundary: Boundary) -> [Geometry; LAYERS] {
+/// Shapes of the inputs of all convolutions on a grid of this size.
+pub(crate) fn geometries(height: usize, width: usize, boundary: Boundary) -> [Geometry; LAYERS] {
     let sizes = image_sizes(height, width);
     std::array::from_fn(|layer| {
         let (height, width) = sizes[layer];
@@ -122,11 +123,13 @@ pub enum Stage {
     ConvolutionGradient,
     /// Gradient from the maps to the points.
     GaborGradient,
+    /// Loss terms added up and points moved, where that is work of its own.
+    Update,
 }
 
 impl Stage {
     /// All stages in their order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Gabor,
         Self::Convolution,
         Self::Normalization,
@@ -135,6 +138,7 @@ impl Stage {
         Self::NormalizationGradient,
         Self::ConvolutionGradient,
         Self::GaborGradient,
+        Self::Update,
     ];
 
     /// The name in benchmark output.
@@ -149,6 +153,7 @@ impl Stage {
             Self::NormalizationGradient => "normalization and gram gradient",
             Self::ConvolutionGradient => "convolution gradient",
             Self::GaborGradient => "gabor gradient",
+            Self::Update => "update",
         }
     }
 }
@@ -199,7 +204,7 @@ pub struct View {
 
 impl View {
     /// The pixels of each layer whose statistics count.
-    fn regions(&self) -> [Region; LAYERS] {
+    pub(crate) fn regions(&self) -> [Region; LAYERS] {
         let sizes = image_sizes(self.grid.height, self.grid.width);
         std::array::from_fn(|layer| {
             let (height, width) = sizes[layer + 1];
@@ -437,10 +442,28 @@ impl<T: Real> Evaluation<T> {
         }
     }
 
+    /// The gradient as the steps so far have left it: with respect to the image at hand.
+    #[must_use]
+    pub fn gradient(&self) -> &[T] {
+        &self.gradient
+    }
+
     /// Channels of every layer, without padding.
     #[must_use]
     pub fn channels(&self) -> usize {
         self.network.channels
+    }
+
+    /// The Gram matrix of layer `gram + 2` of the last pass, `[channels, channels]` with padded channels.
+    #[must_use]
+    pub fn gram(&self, gram: usize) -> &[f64] {
+        self.grams[gram].matrix()
+    }
+
+    /// The autocorrelations of the last pass, `[channels, lag rows, lag columns]`.
+    #[must_use]
+    pub fn correlations(&self) -> &[T] {
+        self.correlation.values()
     }
 
     /// The Gabor maps of the last pass, `[height, width, LANES]`.
@@ -458,7 +481,7 @@ impl<T: Real> Evaluation<T> {
 }
 
 /// Interiors are windows, whatever the border of the whole.
-fn boundary_of_lags(view: &View) -> Boundary {
+pub(crate) fn boundary_of_lags(view: &View) -> Boundary {
     if view.interior_only { Boundary::Open } else { view.grid.boundary }
 }
 
