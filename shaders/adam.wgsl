@@ -40,14 +40,15 @@ fn is_bad(bits: u32) -> u32 {
     return select(0u, 1u, (bits & 0x7f800000u) == 0x7f800000u);
 }
 
-// One workgroup: are the loss and all gradients finite?
+// One workgroup: are the loss, the points and their gradients finite?
 @compute @workgroup_size(THREADS)
 fn check(@builtin(local_invocation_index) lane: u32) {
     let loss = bitcast<vec4u>(losses[progress.slot]);
     var found = is_bad(loss.x) | is_bad(loss.y) | is_bad(loss.z) | is_bad(loss.w);
     for (var i = lane; i < rule.moving; i += THREADS) {
         let gradient = bitcast<vec2u>(gradients[i]);
-        found |= is_bad(gradient.x) | is_bad(gradient.y);
+        let point = bitcast<vec2u>(points[rule.first + i]);
+        found |= is_bad(gradient.x) | is_bad(gradient.y) | is_bad(point.x) | is_bad(point.y);
     }
     bad[lane] = found;
     for (var half = THREADS / 2u; half > 0u; half /= 2u) {

@@ -86,7 +86,7 @@ impl Adam {
             Dispatch::new(
                 gpu,
                 &kernel("check"),
-                &[rule, progress, (2, &io.losses), (3, &io.gradients)],
+                &[rule, progress, (2, &io.losses), (3, &io.gradients), (4, &io.points)],
                 [1, 1, 1],
                 Stage::Update,
                 cost,

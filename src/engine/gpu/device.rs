@@ -80,6 +80,8 @@ pub struct DeviceInfo {
 pub struct OpenOptions {
     /// Ask for nothing beyond what every WebGPU device offers, as on the weakest of them; for tests.
     pub default_limits: bool,
+    /// Most tiles of an image transformed in one pass, as if memory were scarce; for tests.
+    pub tiles_a_pass: Option<usize>,
 }
 
 /// Counts what the device reported, and wakes who waits for it.
@@ -165,6 +167,7 @@ pub struct Gpu {
     pub(super) queue: wgpu::Queue,
     info: DeviceInfo,
     limits: wgpu::Limits,
+    pub(super) options: OpenOptions,
     fault: Arc<Mutex<Option<String>>>,
     pub(super) bell: Bell,
     pace: Mutex<Pace>,
@@ -252,6 +255,7 @@ impl Gpu {
             queue,
             info,
             limits,
+            options,
             fault,
             bell,
             pace: Mutex::new(Pace { rate: Pace::FIRST }),

@@ -360,7 +360,7 @@ impl GpuEngine {
 
     /// Takes what came back of a batch.
     fn take_batch(&mut self, batch: Option<Batch>, bytes: &[u8]) -> Result<Advance, GpuError> {
-        let (Phase::Output(output), Some(batch)) = (&mut self.phase, batch) else { return Ok(Advance::Waiting) };
+        let Some(batch) = batch else { return Ok(Advance::Waiting) };
         let moving = self.points.len() - self.moving_from;
         let values = numbers(bytes);
         let (points, rest) = values.split_at(2 * moving);
@@ -369,6 +369,21 @@ impl GpuEngine {
         let failed = progress.get(1).map_or(0, |number| number.to_bits()) as usize;
         // The iterations before the one that failed are good, and nothing moved since.
         let good = if failed > 0 { failed - 1 } else { batch.iterations };
+        if good > 0 {
+            self.keep(points, moments);
+        }
+        self.adam.steps += good as u32;
+        self.iteration += good as u32;
+        if let Phase::Output(output) = &mut self.phase {
+            output.spare.push(batch.staging);
+        }
+        let losses: Vec<LossTerms> = losses.chunks_exact(4).take(good).map(terms).collect();
+        self.not_finite = failed > 0;
+        Ok(if losses.is_empty() { Advance::NotFinite } else { Advance::Iterated(losses) })
+    }
+
+    /// Keeps positions and moments that came back.
+    fn keep(&mut self, points: &[f32], moments: &[f32]) {
         let size = self.setup.output_size;
         for (point, value) in self.points[self.moving_from..].iter_mut().zip(points.chunks_exact(2)) {
             // The device's side of the domain may be larger by a rounding.
@@ -380,12 +395,6 @@ impl GpuEngine {
             *first = DVec2::new(value[0].into(), value[1].into());
             *second = DVec2::new(value[2].into(), value[3].into());
         }
-        self.adam.steps += good as u32;
-        self.iteration += good as u32;
-        output.spare.push(batch.staging);
-        let losses: Vec<LossTerms> = losses.chunks_exact(4).take(good).map(terms).collect();
-        self.not_finite = failed > 0;
-        Ok(if losses.is_empty() { Advance::NotFinite } else { Advance::Iterated(losses) })
     }
 
     /// Iterations that have begun but not come back.
@@ -456,7 +465,11 @@ impl Output {
 
 fn allowance(gpu: &Gpu, total: u64) -> Allowance {
     let limits = gpu.limits();
-    Allowance { buffer: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size), total }
+    Allowance {
+        buffer: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+        total,
+        tiles: gpu.options.tiles_a_pass.unwrap_or(usize::MAX),
+    }
 }
 
 /// What comes back of a batch, in this order: buffer, first byte, bytes.

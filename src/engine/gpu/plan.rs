@@ -19,6 +19,8 @@ pub struct Allowance {
     pub buffer: u64,
     /// Most bytes of all buffers.
     pub total: u64,
+    /// Most tiles of an image transformed in one pass.
+    pub tiles: usize,
 }
 
 /// One buffer: what is in it, and how many 32-bit numbers.
@@ -58,7 +60,7 @@ impl Plan {
         let tiles = longest(&setup.output_view).max(longest(&setup.exemplar_view));
         let one = spectrum_len(outputs);
         let cap = SPECTRA_CAP.min((allowed.buffer / 4) as usize);
-        let spectra = (tiles * one).min(cap.max(one));
+        let spectra = (tiles.min(allowed.tiles) * one).min(cap.max(one));
 
         let side = |view: &View, points: usize, with_gradient: bool| {
             let mut needs = gabor::needs(view, points);
