@@ -162,7 +162,12 @@ fn synthesise(entry: &Entry, parameters: &Parameters) -> Result<Synthesised> {
                 iterations = progress.total_iterations;
                 loss = terms.total();
             }
-            Event::Working | Event::ScaleStarted { .. } | Event::ScaleFinished { .. } => {}
+            // Nothing here runs on a device.
+            Event::Waiting
+            | Event::EngineChanged { .. }
+            | Event::Working
+            | Event::ScaleStarted { .. }
+            | Event::ScaleFinished { .. } => {}
         }
     }
     Ok(Synthesised { exemplar, output: synthesis.output()?, time: start.elapsed(), iterations, loss })

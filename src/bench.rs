@@ -1,6 +1,10 @@
 //! One iteration of the method, timed: the same work on the command line and in the browser.
 
 use std::collections::BTreeMap;
+#[cfg(not(target_arch = "wasm32"))]
+use std::sync::Arc;
+#[cfg(not(target_arch = "wasm32"))]
+use std::time::Instant;
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -10,7 +14,15 @@ use crate::Boundary;
 use crate::engine::cpu::adam::Adam;
 use crate::engine::cpu::network::Stage;
 use crate::engine::cpu::{CpuEngine, parallel};
+use crate::engine::gpu::GpuError;
 use crate::engine::{Advance, ScaleSetup};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::engine::{
+    cpu::{convolution::Geometry, lanes::padded},
+    gpu::{Gpu, GpuEngine, timing::Direct},
+};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::method::FilterBank;
 use crate::method::schedule::Scale;
 use crate::method::{Parameters, Preset};
 use crate::sampling::{Purpose, Rng, poisson_disk};
@@ -52,6 +64,17 @@ pub struct WorkloadError {
     pub max: usize,
 }
 
+/// Why nothing was measured.
+#[derive(Debug, Error)]
+pub enum BenchError {
+    /// A workload outside what can be run.
+    #[error(transparent)]
+    Workload(#[from] WorkloadError),
+    /// The device can't do it.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
 /// What was measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
@@ -64,8 +87,12 @@ pub struct Report {
     /// Operations of the same convolutions done directly, forward and gradient, per second: the rate a plain kernel
     /// would need to keep up.
     pub effective_gflops: f64,
+    /// What computed.
+    pub engine: String,
     /// Threads in use.
     pub threads: usize,
+    /// What only a GPU tells.
+    pub gpu: Option<GpuReport>,
     /// What the run allocates by its own estimate, in MB.
     pub estimated_mb: f64,
     /// Loss of the last iteration, so that no one can skip the work.
@@ -74,11 +101,21 @@ pub struct Report {
     pub workload: Workload,
 }
 
-/// Times `workload`; `now` gives seconds on any clock.
-///
-/// # Errors
-/// When a number of the workload is out of range.
-pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, WorkloadError> {
+/// Rates of a GPU's kernels.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct GpuReport {
+    /// Operations a second of the products of matrices in the Fourier domain, as done.
+    pub product_gflops: f64,
+    /// Operations a second of all convolutions, as if done directly.
+    pub convolution_gflops: f64,
+    /// Seconds of the second layer's convolution, forward, through transforms of tiles.
+    pub tiles_seconds: f64,
+    /// Seconds of the same convolution done directly.
+    pub direct_seconds: f64,
+}
+
+/// The scale that `workload` asks for, and the points of its output.
+fn prepare(workload: &Workload) -> Result<(ScaleSetup, Vec<DVec2>), WorkloadError> {
     let Workload { grid, exemplar_grid, channels, points, iterations } = *workload;
     for (name, value, min, max) in [
         ("grid", grid[0].min(grid[1]), 8, 4096),
@@ -114,9 +151,19 @@ pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, Workloa
         Boundary::Open,
         output_size,
     );
+    Ok((setup, start(0, output_size, points)))
+}
+
+/// Times `workload` on the processor; `now` gives seconds on any clock.
+///
+/// # Errors
+/// When a number of the workload is out of range.
+pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, WorkloadError> {
+    let Workload { grid, channels, points, iterations, .. } = *workload;
+    let (setup, positions) = prepare(workload)?;
     let estimated_mb = CpuEngine::bytes_for(&setup, channels, points) as f64 / 1e6;
     let network = CpuEngine::network(&setup, channels, None);
-    let mut engine = CpuEngine::new(setup, network, start(0, output_size, points), 0, Adam::new(points), 0);
+    let mut engine = CpuEngine::new(setup, network, positions, 0, Adam::new(points), 0);
 
     let mut stages: BTreeMap<&'static str, f64> = BTreeMap::new();
     let mut seconds = Vec::with_capacity(iterations);
@@ -152,7 +199,71 @@ pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, Workloa
         stages,
         longest_step_seconds: longest,
         effective_gflops: direct_operations(grid, channels) / median / 1e9,
+        engine: format!("CPU, {} threads", parallel::threads()),
         threads: parallel::threads(),
+        gpu: None,
+        estimated_mb,
+        loss,
+        workload: workload.clone(),
+    })
+}
+
+/// Times `workload` on a device.
+///
+/// # Errors
+/// When a number of the workload is out of range, or the device has no room for it or fails.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn run_on_gpu(workload: &Workload, gpu: &Arc<Gpu>, memory: u64) -> Result<Report, BenchError> {
+    let Workload { grid, channels, points, iterations, .. } = *workload;
+    let (setup, positions) = prepare(workload)?;
+    let estimated_mb = GpuEngine::bytes_for(gpu, &setup, channels, points, memory)? as f64 / 1e6;
+    let geometry = Geometry { height: grid[1], width: grid[0], stride: 1, boundary: Boundary::Open };
+    let seed = setup.seed;
+    let mut engine = GpuEngine::new(gpu, setup, channels, None, positions, 0, Adam::new(points), 0, memory)?;
+    let mut done = 0;
+    let mut spent = Vec::with_capacity(iterations);
+    let mut loss = f64::NAN;
+    let mut start = Instant::now();
+    while done <= iterations {
+        // One at first, until the pace is known; then as a run would.
+        let most = if done == 0 { 1 } else { (iterations + 1 - done) as u32 };
+        match engine.advance(most) {
+            Advance::Working => {}
+            Advance::Waiting => engine.wait(),
+            Advance::Iterated(terms) => {
+                if done > 0 {
+                    spent.extend(terms.iter().map(|_| start.elapsed().as_secs_f64() / terms.len() as f64));
+                }
+                done += terms.len();
+                loss = terms.last().map_or(f64::NAN, LossTerms::total);
+                start = Instant::now();
+            }
+            Advance::Lost(reason) => return Err(GpuError::Lost(reason).into()),
+            Advance::Flat | Advance::NotFinite => break,
+        }
+    }
+    let mean = spent.iter().sum::<f64>() / spent.len() as f64;
+    let timing = engine.time()?;
+    let bank = FilterBank::random(seed, channels);
+    let mut rng = Rng::new(seed, Purpose::Gallery);
+    let image: Vec<f32> = (0..grid[0] * grid[1] * padded(channels)).map(|_| rng.range(-1.0, 1.0) as f32).collect();
+    let direct_seconds = Direct::new(gpu, geometry, channels, &bank.layers[1], &image).seconds()?;
+    let direct = direct_operations(grid, channels);
+    let of = |stage: Stage| timing.stages.get(stage.name()).copied().unwrap_or(0.0);
+    let convolutions = of(Stage::Convolution) + of(Stage::ConvolutionGradient);
+    Ok(Report {
+        seconds_per_iteration: mean,
+        longest_step_seconds: timing.longest,
+        stages: timing.stages,
+        effective_gflops: direct / mean / 1e9,
+        engine: gpu.info().name.clone(),
+        threads: 0,
+        gpu: Some(GpuReport {
+            product_gflops: timing.product.1 / timing.product.0 / 1e9,
+            convolution_gflops: direct / convolutions / 1e9,
+            tiles_seconds: timing.second_layer,
+            direct_seconds,
+        }),
         estimated_mb,
         loss,
         workload: workload.clone(),

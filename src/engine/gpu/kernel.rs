@@ -24,12 +24,24 @@ pub enum Shader {
     Adam,
     /// `loss.wgsl`
     Loss,
+    /// `direct.wgsl`, which only benchmarks use.
+    #[cfg(not(target_arch = "wasm32"))]
+    Direct,
 }
 
 impl Shader {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Gabor, Self::Convolution, Self::Normalization, Self::Gram, Self::Correlation, Self::Adam, Self::Loss];
+    #[cfg(not(target_arch = "wasm32"))]
+    pub const ALL: [Self; 8] = [
+        Self::Gabor,
+        Self::Convolution,
+        Self::Normalization,
+        Self::Gram,
+        Self::Correlation,
+        Self::Adam,
+        Self::Loss,
+        Self::Direct,
+    ];
 
     /// Its text, without what the host sets.
     #[must_use]
@@ -42,6 +54,8 @@ impl Shader {
             Self::Correlation => include_str!(concat!(env!("OUT_DIR"), "/correlation.wgsl")),
             Self::Adam => include_str!(concat!(env!("OUT_DIR"), "/adam.wgsl")),
             Self::Loss => include_str!(concat!(env!("OUT_DIR"), "/loss.wgsl")),
+            #[cfg(not(target_arch = "wasm32"))]
+            Self::Direct => include_str!(concat!(env!("OUT_DIR"), "/direct.wgsl")),
         }
     }
 
@@ -95,7 +109,8 @@ pub(super) struct Dispatch {
     kernel: Kernel,
     bindings: wgpu::BindGroup,
     workgroups: [u32; 3],
-    /// The stage it belongs to.
+    /// The stage it belongs to, for timings.
+    #[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "nothing is timed in a browser"))]
     pub(super) stage: Stage,
     /// Its work: floating-point operations, and numbers moved as eight of them.
     pub(super) cost: f64,
@@ -120,6 +135,12 @@ impl Dispatch {
             entries: &entries,
         });
         Self { kernel: kernel.clone(), bindings, workgroups: workgroups.map(|count| count as u32), stage, cost }
+    }
+
+    /// Whether it is a product of matrices in the Fourier domain.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(super) fn is_product(&self) -> bool {
+        self.kernel.label == "multiply"
     }
 
     pub(super) fn encode(&self, pass: &mut wgpu::ComputePass<'_>) {

@@ -20,6 +20,8 @@ mod network;
 mod normalization;
 mod plan;
 pub mod probe;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod timing;
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};

@@ -123,7 +123,7 @@ async fn run(gpu: &Gpu, program: &[Dispatch]) -> Result<(), GpuError> {
 }
 
 /// Reads the first bytes of a buffer.
-async fn read(gpu: &Gpu, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<f32>, GpuError> {
+pub(super) async fn read(gpu: &Gpu, buffer: &wgpu::Buffer, count: usize) -> Result<Vec<f32>, GpuError> {
     let bytes = (4 * count) as u64;
     let staging = Readback::new(gpu, bytes);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
