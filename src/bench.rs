@@ -12,9 +12,9 @@ use thiserror::Error;
 
 use crate::Boundary;
 use crate::engine::cpu::adam::Adam;
-use crate::engine::cpu::network::Stage;
 use crate::engine::cpu::{CpuEngine, parallel};
 use crate::engine::gpu::GpuError;
+use crate::engine::view::Stage;
 use crate::engine::{Advance, ScaleSetup};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::engine::{

@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::engine::cpu::adam::Adam;
-use crate::engine::cpu::network::{Network, Stage};
+use crate::engine::cpu::network::Network;
 use crate::engine::cpu::{CpuEngine, Float};
 use crate::engine::gpu::{Gpu, GpuEngine, GpuNetwork};
+use crate::engine::view::Stage;
 use crate::engine::{Advance, Engine, ScaleSetup};
 use crate::method::parameters::Start;
 use crate::method::schedule::converged;

@@ -14,11 +14,10 @@ use common::assert_close;
 use glam::DVec2;
 use pointweave::Boundary;
 use pointweave::engine::cpu::convolution::Tile;
-use pointweave::engine::cpu::correlation::Lags;
-use pointweave::engine::cpu::gabor::{Grid, Wave};
 use pointweave::engine::cpu::lanes::{LANES, padded};
-use pointweave::engine::cpu::network::{Evaluation, Network, View};
+use pointweave::engine::cpu::network::{Evaluation, Network};
 use pointweave::engine::cpu::real::Real;
+use pointweave::engine::view::{Grid, Lags, View, Wave};
 use pointweave::method::FilterBank;
 use serde_json::Value;
 

@@ -10,7 +10,9 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use pointweave::engine::cpu::adam::Adam;
+use pointweave::engine::cpu::convolution::Geometry;
 use pointweave::engine::gpu::probe::{Case, Deviation, compare, probe};
+use pointweave::engine::gpu::timing::Direct;
 use pointweave::engine::gpu::{Gpu, GpuEngine, GpuError, OpenOptions, Shader};
 use pointweave::engine::{Advance, ScaleSetup};
 use pointweave::method::schedule::Scale;
@@ -346,6 +348,47 @@ fn passes_change_nothing() {
     let parted = after(Some(4));
     assert_eq!(whole.0, parted.0);
     assert_eq!(whole.1[..], parted.1[..whole.1.len()]);
+}
+
+/// What the benchmark measures against does the same work: the direct kernel gives the transforms' numbers.
+#[test]
+fn the_direct_kernel_convolves() {
+    let gpu = open();
+    let (height, width, channels) = (11, 9, 6);
+    let outputs = 8;
+    let mut rng = Rng::new(5, Purpose::Gallery);
+    let mut image = vec![0.0_f32; height * width * outputs];
+    for pixel in image.chunks_exact_mut(outputs) {
+        pixel[..channels].fill_with(|| rng.range(-1.0, 1.0) as f32);
+    }
+    let weights: Vec<f64> = (0..channels * channels * 49).map(|_| rng.range(-1.0, 1.0)).collect();
+    for boundary in [Boundary::Open, Boundary::Periodic] {
+        let geometry = Geometry { height, width, stride: 1, boundary };
+        let direct = Direct::new(&gpu, geometry, channels, &weights, &image);
+        direct.seconds().unwrap();
+        let ours: Vec<f64> = direct.image().unwrap().iter().map(|&value| value.into()).collect();
+        let at = |index: usize, shift: usize, len: usize| -> Option<usize> {
+            let place = index as isize + shift as isize - 3;
+            match boundary {
+                Boundary::Open => usize::try_from(place).ok().filter(|&place| place < len),
+                Boundary::Periodic => Some(place.rem_euclid(len as isize) as usize),
+            }
+        };
+        let mut expected = vec![0.0; ours.len()];
+        for (pixel, sums) in expected.chunks_exact_mut(outputs).enumerate() {
+            let (y, x) = (pixel / width, pixel % width);
+            for tap in 0..49 {
+                let (Some(y), Some(x)) = (at(y, tap / 7, height), at(x, tap % 7, width)) else { continue };
+                for to in 0..channels {
+                    for from in 0..channels {
+                        let value = f64::from(image[(y * width + x) * outputs + from]);
+                        sums[to] += weights[(to * channels + from) * 49 + tap] * value;
+                    }
+                }
+            }
+        }
+        common::assert_close("direct convolution", &ours, &expected, 1e-5);
+    }
 }
 
 /// The device goes away after so many pieces of work; the run goes on from what came back last.

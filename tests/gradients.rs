@@ -9,12 +9,13 @@ use common::{assert_close, central_differences, noise, points};
 use glam::DVec2;
 use pointweave::Boundary;
 use pointweave::engine::cpu::convolution::{Convolution, Direction, Filters, Geometry, Source, Tile, Workspace};
-use pointweave::engine::cpu::correlation::{Correlation, Lags};
-use pointweave::engine::cpu::gabor::{Gabor, Grid, Wave};
+use pointweave::engine::cpu::correlation::Correlation;
+use pointweave::engine::cpu::gabor::Gabor;
 use pointweave::engine::cpu::gram::Gram;
 use pointweave::engine::cpu::lanes::LANES;
-use pointweave::engine::cpu::network::{Evaluation, Network, View, best_tiles};
-use pointweave::engine::cpu::normalization::{Region, Statistics};
+use pointweave::engine::cpu::network::{Evaluation, Network, best_tiles};
+use pointweave::engine::cpu::normalization::Statistics;
+use pointweave::engine::view::{Grid, Lags, Region, View, Wave};
 use pointweave::method::FilterBank;
 
 const BOUNDARIES: [Boundary; 2] = [Boundary::Open, Boundary::Periodic];

@@ -5,6 +5,7 @@
 
 pub mod cpu;
 pub mod gpu;
+pub mod view;
 
 use glam::DVec2;
 
@@ -15,11 +16,8 @@ use crate::synthesis::LossTerms;
 
 use cpu::CpuEngine;
 use cpu::adam::Adam;
-use cpu::correlation::Lags;
-use cpu::gabor::{CUTOFF_SIGMAS, Grid, Wave};
-use cpu::network::{Stage, View};
-use cpu::normalization::Region;
 use gpu::GpuEngine;
+use view::{CUTOFF_SIGMAS, Grid, Lags, Region, Stage, View, Wave};
 
 /// One class on one scale: everything an engine needs, in exemplar units.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,8 +16,9 @@ use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftDirection};
 
 use crate::domain::Boundary;
+use crate::engine::view::{Lags, Region};
 
-use super::normalization::{Region, Statistics};
+use super::normalization::Statistics;
 use super::parallel::{for_each_chunk, for_each_chunk_pair};
 use super::real::Real;
 use super::scratch::Scratch;
@@ -146,23 +147,6 @@ impl<T: Real> Plane<T> {
                 visit(index, sum, Complex::new(difference.im, -difference.re));
             }
         }
-    }
-}
-
-/// Central lags of an autocorrelation: rows and columns of lags, `−q/2 … q − q/2 − 1` each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Lags {
-    /// Vertical lags.
-    pub rows: usize,
-    /// Horizontal lags.
-    pub columns: usize,
-}
-
-impl Lags {
-    /// How many lags.
-    #[must_use]
-    pub const fn count(&self) -> usize {
-        self.rows * self.columns
     }
 }
 

@@ -10,6 +10,7 @@
 use glam::DVec2;
 
 use crate::domain::Boundary;
+use crate::engine::view::{Grid, Wave, window};
 
 use super::lanes::{self, Kernel, LANES};
 use super::parallel::for_each_chunk;
@@ -19,35 +20,6 @@ use super::real::Real;
 pub const MAPS: usize = 5;
 /// Tables along one axis: Gaussian, its product with the cosine and with the sine, and the slope of each.
 const TABLES: usize = 6;
-
-/// The sampling grid: pixel centres `((x + ½) · pitch.x, (y + ½) · pitch.y)` in exemplar units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// Rows.
-    pub height: usize,
-    /// Columns.
-    pub width: usize,
-    /// Size of a pixel in exemplar units.
-    pub pitch: DVec2,
-    /// Whether points are seen across the border.
-    pub boundary: Boundary,
-}
-
-/// What the maps look like.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wave {
-    /// Width of the Gaussian in exemplar units.
-    pub sigma: f64,
-    /// Frequency f in cycles per exemplar unit.
-    pub frequency: f64,
-    /// Scale s of the maps; 1 / min(30, M) matches the paper's published code.
-    pub scale: f64,
-    /// How many σ a point reaches along each axis.
-    pub cutoff_sigmas: f64,
-}
-
-/// Reach of a point in σ: what is cut off is below e⁻⁸ of the peak, an order below what 32-bit sums resolve here.
-pub const CUTOFF_SIGMAS: f64 = 4.0;
 
 /// Maps and gradients on one grid.
 #[derive(Debug)]
@@ -68,17 +40,11 @@ pub struct Gabor<T> {
     gradients: Vec<[f64; 2]>,
 }
 
-/// Rows and columns of pixels that a point's window spans.
-pub(crate) fn span(grid: &Grid, wave: &Wave) -> [usize; 2] {
-    // One pixel more to either side for the jitter and for the point's place within its pixel.
-    [grid.pitch.y, grid.pitch.x].map(|pitch| 2 * ((wave.cutoff_sigmas * wave.sigma / pitch).ceil() as usize + 1) + 1)
-}
-
 impl<T: Real> Gabor<T> {
     /// Space for `points` points.
     #[must_use]
     pub fn new(grid: Grid, wave: Wave, points: usize) -> Self {
-        let span = span(&grid, &wave);
+        let span = window(&grid, &wave);
         Self {
             grid,
             wave,
@@ -94,7 +60,7 @@ impl<T: Real> Gabor<T> {
     /// Bytes that [`Self::new`] allocates.
     #[must_use]
     pub fn bytes_for(grid: &Grid, wave: &Wave, points: usize) -> usize {
-        let span = span(grid, wave);
+        let span = window(grid, wave);
         points * (TABLES * (span[0] + span[1]) * size_of::<T>() + 32) + MAPS * grid.height * grid.width * size_of::<T>()
     }
 

@@ -3,8 +3,10 @@
 //! `G = F Fᵀ / (C · H · W)` for activations `F` `[C, H · W]` (Huang et al. 2022, §4.3): which filters answer together,
 //! wherever in the image. The loss of a layer is `w · Σ (G̃ − G)²`; its gradient `dL/dF = 4 w (G̃ − G) F / (C · H · W)`.
 
+use crate::engine::view::Region;
+
 use super::lanes::{self, Kernel, LANES};
-use super::normalization::{Activate, Region, Statistics};
+use super::normalization::{Activate, Statistics};
 use super::parallel::for_each_chunk;
 use super::product;
 use super::real::Real;

@@ -19,12 +19,13 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::domain::Boundary;
+use crate::engine::view::Stage;
 use crate::engine::{Advance, ScaleSetup};
 use crate::method::FilterBank;
 use crate::sampling::{Purpose, Rng};
 
 use adam::Adam;
-use network::{Evaluation, Network, Stage, Targets, best_tiles};
+use network::{Evaluation, Network, Targets, best_tiles};
 pub(crate) use normalization::EPSILON;
 
 /// The arithmetic a run uses; double precision is for checking gradients.

@@ -6,37 +6,21 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::domain::Boundary;
+use crate::engine::view::{GRAM_LAYERS, Grid, Lags, Region, Stage, View, boundary_of_lags, image_sizes};
 use crate::method::filters::{FilterBank, LAYERS, STRIDES};
 use crate::synthesis::LossTerms;
 
 use super::convolution::{Convolution, Direction, Filters, Geometry, Source, Tile, Workspace};
-use super::correlation::{Correlation, Lags};
-use super::gabor::{Gabor, Grid, MAPS, Wave};
+use super::correlation::Correlation;
+use super::gabor::{Gabor, MAPS};
 use super::gram::Gram;
 use super::lanes::{LANES, padded};
-use super::normalization::{Region, Statistics};
+use super::normalization::Statistics;
 use super::parallel::for_each_chunk;
 use super::real::Real;
 
-/// Layers whose Gram matrices count: all but the first.
-pub const GRAM_LAYERS: usize = LAYERS - 1;
-
 /// Operations of one step at most, so that even one thread in a browser is back within about a tenth of a second.
 const OPERATIONS_A_STEP: f64 = 1.5e9;
-
-/// Pixels of the first layer's grid by which each layer sees past its own pixel: 3 for every kernel, at its stride.
-const RECEPTIVE_REACH: [f64; LAYERS] = [3.0, 6.0, 9.0, 15.0];
-
-/// Shapes of the images of all layers: the input maps first, then each layer's output, as (height, width).
-#[must_use]
-pub fn image_sizes(height: usize, width: usize) -> [(usize, usize); LAYERS + 1] {
-    let mut sizes = [(height, width); LAYERS + 1];
-    for (layer, stride) in STRIDES.into_iter().enumerate() {
-        let (h, w) = sizes[layer];
-        sizes[layer + 1] = (h.div_ceil(stride), w.div_ceil(stride));
-    }
-    sizes
-}
 
 /// Shapes of the inputs of all convolutions on a grid of this size.
 pub(crate) fn geometries(height: usize, width: usize, boundary: Boundary) -> [Geometry; LAYERS] {
@@ -104,60 +88,6 @@ pub struct Targets<T> {
     pub lags: Lags,
 }
 
-/// A stage of the method, for timings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Stage {
-    /// Gabor maps.
-    Gabor,
-    /// Convolutions, forward.
-    Convolution,
-    /// Instance normalisation, forward.
-    Normalization,
-    /// Gram matrices and loss.
-    Gram,
-    /// Deep correlation, loss and gradient.
-    Correlation,
-    /// Gradient of the Gram losses and through normalisation and ReLU.
-    NormalizationGradient,
-    /// Gradient through the convolutions.
-    ConvolutionGradient,
-    /// Gradient from the maps to the points.
-    GaborGradient,
-    /// Loss terms added up and points moved, where that is work of its own.
-    Update,
-}
-
-impl Stage {
-    /// All stages in their order.
-    pub const ALL: [Self; 9] = [
-        Self::Gabor,
-        Self::Convolution,
-        Self::Normalization,
-        Self::Gram,
-        Self::Correlation,
-        Self::NormalizationGradient,
-        Self::ConvolutionGradient,
-        Self::GaborGradient,
-        Self::Update,
-    ];
-
-    /// The name in benchmark output.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Gabor => "gabor",
-            Self::Convolution => "convolution",
-            Self::Normalization => "normalization",
-            Self::Gram => "gram",
-            Self::Correlation => "correlation",
-            Self::NormalizationGradient => "normalization and gram gradient",
-            Self::ConvolutionGradient => "convolution gradient",
-            Self::GaborGradient => "gabor gradient",
-            Self::Update => "update",
-        }
-    }
-}
-
 /// One bounded piece of work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
@@ -188,44 +118,6 @@ impl Step {
             Self::Normalize(_) => Stage::NormalizationGradient,
             Self::Points => Stage::GaborGradient,
         }
-    }
-}
-
-/// Where statistics of a pattern are taken.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// The sampling grid.
-    pub grid: Grid,
-    /// How the maps are made.
-    pub wave: Wave,
-    /// Leave out the border, where an open exemplar's features know that nothing lies beyond.
-    pub interior_only: bool,
-}
-
-impl View {
-    /// The pixels of each layer whose statistics count.
-    pub(crate) fn regions(&self) -> [Region; LAYERS] {
-        let sizes = image_sizes(self.grid.height, self.grid.width);
-        std::array::from_fn(|layer| {
-            let (height, width) = sizes[layer + 1];
-            if !self.interior_only {
-                return Region::whole(height, width);
-            }
-            let stride: usize = STRIDES[..=layer].iter().product();
-            let margin = |pixels: usize, pitch: f64| {
-                let wanted = (RECEPTIVE_REACH[layer] + self.wave.sigma / pitch) / stride as f64;
-                // At least two fifths of the side must remain, or there is nothing left to measure.
-                (wanted.ceil() as usize).min(pixels * 3 / 10)
-            };
-            let (y, x) = (margin(height, self.grid.pitch.y), margin(width, self.grid.pitch.x));
-            Region { y0: y, y1: height - y, x0: x, x1: width - x }
-        })
-    }
-
-    /// Rows and columns of layer 4 whose statistics count.
-    #[must_use]
-    pub fn last_region(&self) -> Region {
-        self.regions()[LAYERS - 1]
     }
 }
 
@@ -478,11 +370,6 @@ impl<T: Real> Evaluation<T> {
     pub fn image(&self, layer: usize) -> (&[T], &Statistics<T>) {
         (&self.images[layer], &self.statistics[layer])
     }
-}
-
-/// Interiors are windows, whatever the border of the whole.
-pub(crate) fn boundary_of_lags(view: &View) -> Boundary {
-    if view.interior_only { Boundary::Open } else { view.grid.boundary }
 }
 
 /// The steps of one pass.

@@ -5,6 +5,8 @@
 //! ε gates channels that hardly respond: the first layer's variances are of its order (1e-6 … 1e-4), so the scale of
 //! the Gabor maps matters.
 
+use crate::engine::view::Region;
+
 use super::gram::Gram;
 use super::lanes::{self, Kernel, LANES, Lanes};
 use super::parallel::{for_each_chunk, for_each_chunk_pair};
@@ -12,45 +14,6 @@ use super::real::Real;
 
 /// Added to the variance under the root.
 pub const EPSILON: f64 = 1e-5;
-
-/// A rectangle of pixels: rows `y0 … y1`, columns `x0 … x1`, ends excluded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Region {
-    /// First row.
-    pub y0: usize,
-    /// One past the last row.
-    pub y1: usize,
-    /// First column.
-    pub x0: usize,
-    /// One past the last column.
-    pub x1: usize,
-}
-
-impl Region {
-    /// All of an image.
-    #[must_use]
-    pub const fn whole(height: usize, width: usize) -> Self {
-        Self { y0: 0, y1: height, x0: 0, x1: width }
-    }
-
-    /// Rows.
-    #[must_use]
-    pub const fn height(&self) -> usize {
-        self.y1 - self.y0
-    }
-
-    /// Columns.
-    #[must_use]
-    pub const fn width(&self) -> usize {
-        self.x1 - self.x0
-    }
-
-    /// Pixels.
-    #[must_use]
-    pub const fn pixels(&self) -> usize {
-        self.height() * self.width()
-    }
-}
 
 /// Mean and inverse deviation of every channel of one image, and the sums the backward pass needs.
 #[derive(Debug)]

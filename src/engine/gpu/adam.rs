@@ -9,7 +9,7 @@ use super::kernel::{Dispatch, Shader};
 use super::network::Io;
 use crate::domain::Boundary;
 use crate::engine::ScaleSetup;
-use crate::engine::cpu::network::Stage;
+use crate::engine::view::Stage;
 
 /// As in `loss.wgsl`.
 #[repr(C)]

@@ -8,7 +8,7 @@ use super::plan::{TILE, spectrum_len};
 use crate::domain::Boundary;
 use crate::engine::cpu::convolution::{Direction, Filters, Geometry, KERNEL};
 use crate::engine::cpu::lanes::padded;
-use crate::engine::cpu::network::Stage;
+use crate::engine::view::Stage;
 
 /// As in the shader.
 #[repr(C)]

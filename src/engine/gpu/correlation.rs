@@ -7,9 +7,7 @@ use super::kernel::{Dispatch, Shader};
 use super::plan::Need;
 use crate::domain::Boundary;
 use crate::engine::ScaleSetup;
-use crate::engine::cpu::correlation::Lags;
-use crate::engine::cpu::network::{Stage, View, boundary_of_lags, image_sizes};
-use crate::engine::cpu::normalization::Region;
+use crate::engine::view::{Lags, Region, Stage, View, boundary_of_lags, image_sizes};
 
 /// As in the shader.
 #[repr(C)]

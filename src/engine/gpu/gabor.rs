@@ -7,9 +7,8 @@ use super::kernel::{Dispatch, Shader, folded};
 use super::network::Io;
 use super::plan::Need;
 use crate::domain::Boundary;
-use crate::engine::cpu::gabor::span;
 use crate::engine::cpu::lanes::LANES;
-use crate::engine::cpu::network::{Stage, View};
+use crate::engine::view::{Stage, View, window};
 
 /// As in the shader.
 #[repr(C)]
@@ -32,7 +31,7 @@ struct Frame {
 
 /// Columns and rows of cells: each at least as large as a point's reach, which is half its window and a pixel.
 fn cells(view: &View) -> [usize; 2] {
-    let [rows, columns] = span(&view.grid, &view.wave);
+    let [rows, columns] = window(&view.grid, &view.wave);
     [(view.grid.width, columns), (view.grid.height, rows)].map(|(pixels, span)| (pixels / (span / 2 + 2)).max(1))
 }
 
@@ -43,7 +42,7 @@ pub(super) fn jitter_len(view: &View) -> usize {
 
 /// Buffers of [`Gabor::new`].
 pub(super) fn needs(view: &View, points: usize) -> Vec<Need> {
-    let [rows, columns] = span(&view.grid, &view.wave);
+    let [rows, columns] = window(&view.grid, &view.wave);
     let [across, down] = cells(view);
     let places = points * (rows + columns);
     vec![
@@ -81,7 +80,7 @@ impl Gabor {
         let [starts, tables, slopes, cell_of, cell_starts, order, maps] = std::array::from_fn(|_| next());
 
         let (grid, wave) = (view.grid, view.wave);
-        let [rows, columns] = span(&grid, &wave);
+        let [rows, columns] = window(&grid, &wave);
         let [across, down] = cells(view);
         let frame = gpu.uniform(
             "frame",

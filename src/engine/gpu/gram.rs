@@ -6,8 +6,7 @@ use super::convolution::block_channels;
 use super::device::Gpu;
 use super::kernel::{Dispatch, Shader};
 use super::plan::Need;
-use crate::engine::cpu::network::{GRAM_LAYERS, Stage, View};
-use crate::engine::cpu::normalization::Region;
+use crate::engine::view::{GRAM_LAYERS, Region, Stage, View};
 
 /// As in the shader.
 #[repr(C)]

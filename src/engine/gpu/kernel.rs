@@ -5,7 +5,7 @@ use std::fmt;
 use bytemuck::Pod;
 
 use super::device::Gpu;
-use crate::engine::cpu::network::Stage;
+use crate::engine::view::Stage;
 
 /// The files of `shaders/`, each named as its twin in `engine/cpu`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -14,7 +14,8 @@ use super::plan::{Need, Plan};
 use crate::engine::ScaleSetup;
 use crate::engine::cpu::convolution::Direction;
 use crate::engine::cpu::lanes::padded;
-use crate::engine::cpu::network::{GRAM_LAYERS, View, geometries, image_sizes};
+use crate::engine::cpu::network::geometries;
+use crate::engine::view::{GRAM_LAYERS, View, image_sizes};
 use crate::method::FilterBank;
 use crate::method::filters::LAYERS;
 

@@ -5,8 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use super::device::Gpu;
 use super::kernel::{Dispatch, Shader, folded};
 use super::plan::Need;
-use crate::engine::cpu::network::{Stage, View, image_sizes};
-use crate::engine::cpu::normalization::Region;
+use crate::engine::view::{Region, Stage, View, image_sizes};
 use crate::method::filters::LAYERS;
 
 /// As in the shader.

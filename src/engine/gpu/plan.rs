@@ -4,7 +4,8 @@ use super::device::GpuError;
 use crate::engine::ScaleSetup;
 use crate::engine::cpu::convolution::{Geometry, Tile};
 use crate::engine::cpu::lanes::padded;
-use crate::engine::cpu::network::{View, geometries};
+use crate::engine::cpu::network::geometries;
+use crate::engine::view::View;
 use crate::method::filters::LAYERS;
 
 use super::{correlation, gabor, gram, network, normalization};

@@ -12,7 +12,7 @@ use super::{Feeder, GpuEngine, Phase};
 use crate::domain::Boundary;
 use crate::engine::cpu::convolution::{Geometry, KERNEL};
 use crate::engine::cpu::lanes::padded;
-use crate::engine::cpu::network::Stage;
+use crate::engine::view::Stage;
 
 /// What the stages of one iteration take.
 #[derive(Clone, Debug, Default, PartialEq)]
