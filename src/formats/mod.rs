@@ -38,7 +38,7 @@ mod json;
 mod png;
 mod reference;
 pub mod style;
-mod svg;
+pub(crate) mod svg;
 mod table;
 mod whitespace;
 
