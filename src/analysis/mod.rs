@@ -235,8 +235,8 @@ pub struct Defects {
     /// Radius of the output's largest empty circle over that of the exemplar's. In a random pattern the largest of a
     /// larger rectangle is naturally somewhat larger.
     pub holes: f64,
-    /// By how much the share of the output's points within 0.05 d of an open border exceeds what an even density
-    /// would put there, and what the exemplar has itself. None for a tile.
+    /// [`BorderCrowd::excess`] of the output's points within 0.05 d of an open border, less the exemplar's own. None
+    /// for a tile.
     pub border: Option<f64>,
 }
 
@@ -250,7 +250,7 @@ impl Defects {
         let distance = stacking_distance(exemplar)?;
         let (own, wanted) = (largest_empty_circle(output).radius, largest_empty_circle(exemplar).radius);
         let width = Analysis::BORDER * spacing;
-        let usual = border_crowd(exemplar, width)?.map_or(0.0, |border| border.excess.max(0.0));
+        let usual = border_crowd(exemplar, width)?.map_or(0.0, |border| border.excess);
         Ok(Self {
             stacking_distance: distance,
             stacked: stacked(output, distance)?,

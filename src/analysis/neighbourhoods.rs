@@ -99,18 +99,29 @@ impl Neighbourhoods {
     /// window cuts off is not asked for but may be found.
     #[must_use]
     pub fn compare(exemplar: &Self, output: &Self) -> NeighbourhoodMatch {
-        NeighbourhoodMatch { precision: output.best_in(exemplar), coverage: exemplar.best_in(output) }
+        NeighbourhoodMatch { precision: output.best_in(exemplar, false), coverage: exemplar.best_in(output, false) }
     }
 
-    /// Mean distance from the complete neighbourhoods to the best among `candidates`.
-    fn best_in(&self, candidates: &Self) -> f64 {
+    /// Mean distance from a neighbourhood to the best of the others of the same pattern: 0 in a lattice, in a random
+    /// pattern about what the precision of an independent sample is.
+    #[must_use]
+    pub fn kinship(&self) -> f64 {
+        self.best_in(self, true)
+    }
+
+    /// Mean distance from the complete neighbourhoods to the best among `candidates`, perhaps without the one of the
+    /// same number.
+    fn best_in(&self, candidates: &Self, without_self: bool) -> f64 {
         let classless = self.single_class
             && candidates.single_class
             && self.all.first().map(|one| one.class) == candidates.all.first().map(|one| one.class);
         let (mut sum, mut count) = (0.0, 0.0);
-        for own in self.all.iter().filter(|one| one.complete) {
+        for (index, own) in self.all.iter().enumerate().filter(|(_, one)| one.complete) {
             let mut best = f32::INFINITY;
-            for other in &candidates.all {
+            for (number, other) in candidates.all.iter().enumerate() {
+                if without_self && number == index {
+                    continue;
+                }
                 let distance =
                     if classless { plain_distance(own, other, best) } else { class_distance(own, other, best) };
                 best = best.min(distance);

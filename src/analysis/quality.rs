@@ -43,6 +43,10 @@ pub struct Quality {
     pub precision: f64,
     /// Score of the exemplar's neighbourhoods: whether what should be is there.
     pub coverage: f64,
+    /// What an independent sample of the exemplar's process would score, roughly: the score of the exemplar's
+    /// neighbourhoods against one another. 1 for a lattice; for a random pattern less, and an output that scores more
+    /// has copied from the exemplar.
+    pub independent: f64,
     /// What was measured.
     pub distances: Distances,
 }
@@ -66,6 +70,7 @@ struct Reference {
     /// Densities by classes, and their share of all pairs.
     densities: Vec<(u16, u16, f64, PairDensity)>,
     neighbourhoods: Neighbourhoods,
+    kinship: f64,
 }
 
 impl Reference {
@@ -81,7 +86,8 @@ impl Reference {
             })
             .collect();
         let neighbourhoods = Neighbourhoods::of(exemplar, spacing)?;
-        Ok(Self { spacing, settings, densities, neighbourhoods })
+        let kinship = neighbourhoods.kinship();
+        Ok(Self { spacing, settings, densities, neighbourhoods, kinship })
     }
 
     fn distances(&self, output: &Cloud) -> Result<Distances, AnalysisError> {
@@ -161,7 +167,9 @@ impl QualityScale {
         let pair_density = score(distances.pair_density, self.chance.pair_density, self.tiled.pair_density);
         let precision = score(own.precision, chance.precision, tiled.precision);
         let coverage = score(own.coverage, chance.coverage, tiled.coverage);
-        Ok(Quality { score: (pair_density + precision + coverage) / 3.0, pair_density, precision, coverage, distances })
+        let independent = score(self.reference.kinship, chance.precision, tiled.precision).clamp(0.0, 1.0);
+        let mean = (pair_density + precision + coverage) / 3.0;
+        Ok(Quality { score: mean, pair_density, precision, coverage, independent, distances })
     }
 }
 

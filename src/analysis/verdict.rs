@@ -1,6 +1,6 @@
 //! Numbers in plain words.
 
-use super::{Analysis, Comparison, Defects, Quality};
+use super::{Analysis, Comparison, Quality};
 
 /// More than this share of stacked points, beyond what the exemplar has itself, is worth a word.
 const STACKED: f64 = 0.005;
@@ -14,7 +14,7 @@ const BORDER: f64 = 0.015;
 /// whether the two patterns fit together at all.
 #[must_use]
 pub fn verdict(comparison: &Comparison) -> String {
-    let mut sentences = vec![overall(&comparison.quality), weakest(comparison), defects(&comparison.defects)];
+    let mut sentences = vec![overall(&comparison.quality), weakest(comparison), defects(comparison)];
     let ratio = comparison.density_ratio;
     if !(0.9..=1.1).contains(&ratio) {
         sentences.push(format!(
@@ -26,10 +26,16 @@ pub fn verdict(comparison: &Comparison) -> String {
     sentences.join(" ")
 }
 
+/// Whether a random pattern is matched as well as one can ask for: by another sample, not by a copy.
+fn is_another_sample(quality: &Quality) -> bool {
+    quality.score >= quality.independent - 0.03 && quality.pair_density >= 0.3
+}
+
 fn overall(quality: &Quality) -> String {
     let words = match quality.score {
         score if score >= 0.9 => "The output is as good as a copy of the exemplar",
         score if score >= 0.7 => "The output reproduces the exemplar closely",
+        _ if is_another_sample(quality) => "The output is like another sample of the same random process",
         score if score >= 0.5 => "The output reproduces the exemplar, with flaws",
         score if score >= 0.25 => "The output has something of the exemplar, but much is missing",
         _ => "The output hardly resembles the exemplar more than chance does",
@@ -43,6 +49,12 @@ fn weakest(comparison: &Comparison) -> String {
     let least = quality.pair_density.min(quality.precision).min(quality.coverage);
     if least >= 0.9 {
         return String::new();
+    }
+    if quality.score < 0.7 && is_another_sample(quality) {
+        return format!(
+            "More would be a copy: the exemplar's own neighbourhoods resemble one another no better (score {:.2}).",
+            quality.independent
+        );
     }
     if least == quality.precision {
         format!(
@@ -65,7 +77,9 @@ fn weakest(comparison: &Comparison) -> String {
     }
 }
 
-fn defects(defects: &Defects) -> String {
+fn defects(comparison: &Comparison) -> String {
+    let defects = &comparison.defects;
+    let crowded = comparison.output.border.is_some_and(|border| border.excess > 0.0);
     let mut wrong = Vec::new();
     let stacked = defects.stacked - defects.exemplar_stacked;
     if stacked > STACKED {
@@ -74,7 +88,7 @@ fn defects(defects: &Defects) -> String {
     if defects.holes > HOLES {
         wrong.push(format!("its largest hole is {} times as wide as the exemplar's", short(defects.holes)));
     }
-    if let Some(border) = defects.border.filter(|&border| border > BORDER) {
+    if let Some(border) = defects.border.filter(|&border| border > BORDER && crowded) {
         wrong.push(format!("{} too many points crowd along its border", percent(border)));
     }
     match wrong.split_last() {

@@ -35,7 +35,7 @@ mod error;
 mod guess;
 mod json;
 #[cfg(not(target_arch = "wasm32"))]
-mod png;
+pub(crate) mod png;
 mod reference;
 pub mod style;
 pub(crate) mod svg;
