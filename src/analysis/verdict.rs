@@ -26,9 +26,12 @@ pub fn verdict(comparison: &Comparison) -> String {
     sentences.join(" ")
 }
 
-/// Whether a random pattern is matched as well as one can ask for: by another sample, not by a copy.
+/// Whether a random pattern is matched as well as one can ask for: by another sample, not by a copy. Samples of the
+/// gallery's random entries score up to 0.11 below what is foretold, and up to 0.12 above.
 fn is_another_sample(quality: &Quality) -> bool {
-    quality.score >= quality.independent - 0.03 && quality.pair_density >= 0.3
+    quality.score >= quality.independent - 0.12
+        && quality.precision >= quality.independent - 0.1
+        && quality.pair_density >= 0.3
 }
 
 fn overall(quality: &Quality) -> String {
