@@ -14,6 +14,10 @@ const SPARE: usize = 12;
 /// A window's incomplete neighbourhoods are left out unless fewer than this share is complete.
 const ENOUGH: f64 = 0.1;
 
+/// Most pairs of neighbourhoods in one comparison, half a second of work. Beyond it only every second, third, …
+/// neighbourhood is looked for (among all of the other side): a mean over a sample.
+const MAX_PAIRS: usize = 8_000_000;
+
 /// The nearest neighbours of one point, as offsets from it in units of the exemplar's mean spacing.
 #[derive(Clone, Debug)]
 struct Neighbourhood {
@@ -115,8 +119,9 @@ impl Neighbourhoods {
         let classless = self.single_class
             && candidates.single_class
             && self.all.first().map(|one| one.class) == candidates.all.first().map(|one| one.class);
+        let stride = (self.all.len() * candidates.all.len()).div_ceil(MAX_PAIRS).max(1);
         let (mut sum, mut count) = (0.0, 0.0);
-        for (index, own) in self.all.iter().enumerate().filter(|(_, one)| one.complete) {
+        for (index, own) in self.all.iter().enumerate().filter(|(_, one)| one.complete).step_by(stride) {
             let mut best = f32::INFINITY;
             for (number, other) in candidates.all.iter().enumerate() {
                 if without_self && number == index {
