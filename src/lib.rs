@@ -15,11 +15,13 @@
 //! | [`formats`] | bytes ⇄ pattern, one file a format |
 //! | [`gallery`] | built-in exemplars, each a seeded generator |
 //! | [`sampling`] | the random generator, Poisson-disk and white-noise starts |
+//! | [`analysis`] | statistics of patterns, and how well one reproduces another |
 //! | [`method`] | the paper as data both engines share: parameters, presets, scale ladder, filter bank |
 //! | [`engine`] | points → statistics → gradient → points |
 //! | [`synthesis`] | the run as a state machine: classes × scales × iterations |
 //! | [`web`] | what the worker of the page calls |
 
+pub mod analysis;
 pub mod bench;
 pub mod domain;
 pub mod engine;

@@ -35,10 +35,10 @@ mod error;
 mod guess;
 mod json;
 #[cfg(not(target_arch = "wasm32"))]
-mod png;
+pub(crate) mod png;
 mod reference;
 pub mod style;
-mod svg;
+pub(crate) mod svg;
 mod table;
 mod whitespace;
 

@@ -71,13 +71,18 @@ pub fn write_png(pattern: &PointPattern, style: &PngStyle) -> Result<Vec<u8>, Pn
 /// When the encoder refuses.
 pub fn encode_png(pixmap: Pixmap) -> Result<Vec<u8>, PngError> {
     let (width, height) = (pixmap.width(), pixmap.height());
+    encode_rgba(width, height, &pixmap.take_demultiplied())
+}
+
+/// Encodes pixels, `[height, width, 4]` with alpha not multiplied in, as PNG.
+pub(crate) fn encode_rgba(width: u32, height: u32, pixels: &[u8]) -> Result<Vec<u8>, PngError> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgba);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&pixmap.take_demultiplied())?;
+    writer.write_image_data(pixels)?;
     writer.finish()?;
     Ok(bytes)
 }

@@ -101,7 +101,7 @@ impl Ring {
 }
 
 /// A length in pixels with at most three decimals.
-struct Px(f64);
+pub(crate) struct Px(pub(crate) f64);
 
 impl std::fmt::Display for Px {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -112,7 +112,7 @@ impl std::fmt::Display for Px {
 }
 
 /// Text as it may stand in an element or a quoted attribute. What XML can't hold at all becomes U+FFFD.
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {
         match character {

@@ -24,6 +24,8 @@ pub enum Purpose {
     Attributes(u16),
     /// A gallery exemplar.
     Gallery,
+    /// One of the random patterns that statistics are compared with.
+    Analysis(u32),
 }
 
 impl Purpose {
@@ -33,6 +35,7 @@ impl Purpose {
             Self::Gallery => 2,
             Self::Start(class) => (3 << 56) | u64::from(class),
             Self::Attributes(class) => (4 << 56) | u64::from(class),
+            Self::Analysis(pattern) => (6 << 56) | u64::from(pattern),
             Self::Jitter { class, scale, iteration } => {
                 (5 << 56) | (u64::from(class & 0xff) << 48) | (u64::from(scale) << 32) | u64::from(iteration)
             }

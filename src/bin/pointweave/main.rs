@@ -1,5 +1,6 @@
 //! Command line of Pointweave.
 
+mod analyze;
 mod bench;
 mod device;
 mod failure;
@@ -27,6 +28,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Synth(Box<synth::SynthArguments>),
+    Analyze(analyze::AnalyzeArguments),
     Gallery(gallery::GalleryArguments),
     Bench(bench::BenchArguments),
     Devices(device::DevicesArguments),
@@ -37,6 +39,7 @@ Examples:
   pointweave gallery                                   what exemplars are built in
   pointweave synth gallery:rings -o rings.svg          twice as wide and high, as a picture
   pointweave synth trees.csv -o forest.csv --scale 3   your own points
+  pointweave analyze trees.csv forest.csv              how good is it? in numbers and words
   pointweave bench --threads 2                         seconds per iteration, by stage
   pointweave devices                                   which GPUs there are, and whether they compute correctly
   pointweave help synth                                everything about synth
@@ -50,6 +53,7 @@ Ctrl-C ends the program at once (130 in a shell) and leaves no half-written file
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Synth(arguments) => synth::run(*arguments),
+        Command::Analyze(arguments) => analyze::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Devices(arguments) => device::run(&arguments),

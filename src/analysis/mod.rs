@@ -1,0 +1,430 @@
+//! Statistics of point patterns, and a judge of how well one reproduces another.
+//!
+//! Everything works on a [`Cloud`]: points in a rectangle in one unit of length. A pattern on its own is measured in
+//! its exemplar units; an output in those of its exemplar, with the exemplar's [`Scales`], so that curves of both sides
+//! lie on the same axes. Nothing here does I/O, and all of it runs in wasm, fast enough to follow a run.
+//!
+//! | module | what it measures | source |
+//! |---|---|---|
+//! | `nearest` | distances to the k-th nearest neighbour | |
+//! | `pair_correlation` | how many neighbours at which distance, also between classes | Öztireli & Gross 2012 |
+//! | `pair_density` | the same with directions | Ohser & Stoyan 1981 |
+//! | `spectrum` | periodogram, radial mean | Bartlett 1964, Ulichney 1988 |
+//! | `ripley` | K, L, envelopes of chance | Ripley 1976, Besag 1977 |
+//! | `spacing` | ρ, stacked points, holes, crowded borders | Lagae & Dutré 2008 |
+//! | `transport` | Chamfer, Wasserstein, the paper's patches | Huang et al. 2022 |
+//! | `neighbourhoods` | neighbourhoods found again: precision, coverage | |
+//! | `quality` | one number: 0 is chance, 1 the exemplar tiled | |
+//! | `verdict` | the same in words | |
+//! | `report` | the same as an SVG (native only) | |
+
+mod cloud;
+mod error;
+mod nearest;
+mod neighbourhoods;
+mod neighbours;
+mod pair_correlation;
+mod pair_density;
+mod quality;
+#[cfg(not(target_arch = "wasm32"))]
+mod report;
+mod ripley;
+mod spacing;
+mod spectrum;
+mod transport;
+mod verdict;
+
+pub use cloud::Cloud;
+pub use error::AnalysisError;
+pub use nearest::{Histogram, NEIGHBOURS, NearestDistances, Summary, nearest_distances};
+pub use neighbourhoods::{NEIGHBOURHOOD, NeighbourhoodMatch, Neighbourhoods};
+pub use neighbours::{Neighbour, Neighbours};
+pub use pair_correlation::{
+    PairCorrelation, PairCorrelationSettings, cross_pair_correlation, densest_distance, pair_correlation,
+};
+pub use pair_density::{PairDensity, PairDensitySettings, class_pair_densities, pair_density};
+pub use quality::{Distances, Quality, QualityScale, normalised_quality, tile};
+#[cfg(not(target_arch = "wasm32"))]
+pub use report::{ReportError, write_comparison_report, write_report};
+pub use ripley::{Envelope, Ripley, RipleySettings, envelope, ripley};
+pub use spacing::{
+    BorderCrowd, EmptyCircle, border_crowd, largest_empty_circle, relative_radius, relative_radius_in, stacked,
+    stacking_distance,
+};
+pub use spectrum::{Periodogram, RadialSpectrum, periodogram};
+pub use transport::{MAX_ASSIGNMENT, PatchComparison, chamfer, compare_patches, wasserstein};
+pub use verdict::{describe, verdict};
+
+use serde::{Deserialize, Serialize};
+
+use crate::domain::{Boundary, Domain};
+use crate::pattern::PointPattern;
+
+/// Simulated patterns of an envelope: with 99 the chance that one point of a curve leaves it is 2 %.
+pub const SIMULATIONS: usize = 99;
+
+/// At which distances, frequencies and widths statistics are taken. An output takes its exemplar's, so that both can
+/// be laid over one another. Lengths are in exemplar units.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Scales {
+    /// Mean distance to the nearest neighbour, d.
+    pub spacing: f64,
+    /// Of the pair correlation.
+    pub pair_correlation: PairCorrelationSettings,
+    /// Of the density of pair differences.
+    pub pair_density: PairDensitySettings,
+    /// Width of the intervals of the histogram of nearest distances: d / 16.
+    pub histogram_width: f64,
+    /// How many of them: up to 2.5 d.
+    pub histogram_count: usize,
+    /// Highest frequency of the periodogram, in cycles per unit: 3 √density, beyond the second ring of a lattice.
+    pub max_frequency: f64,
+    /// Width of the rings of its radial mean: one cycle of the exemplar's shorter side, at most a 12th of all.
+    pub ring_width: f64,
+    /// Of Ripley's K and L.
+    pub ripley: RipleySettings,
+}
+
+impl Scales {
+    /// The scales that suit a pattern.
+    ///
+    /// # Errors
+    /// With a single point, or all points in one place.
+    pub fn of(cloud: &Cloud) -> Result<Self, AnalysisError> {
+        let spacing = cloud.spacing_for("an analysis")?;
+        let max_frequency = 3.0 * cloud.density().sqrt();
+        Ok(Self {
+            spacing,
+            pair_correlation: PairCorrelationSettings::suited_to(cloud),
+            pair_density: PairDensitySettings::suited_to(cloud, spacing),
+            histogram_width: spacing / 16.0,
+            histogram_count: 40,
+            max_frequency,
+            ring_width: (1.0 / cloud.size().min_element()).min(max_frequency / 12.0),
+            ripley: RipleySettings::suited_to(cloud),
+        })
+    }
+}
+
+/// The pair correlation between two classes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CrossCorrelation {
+    /// Index of a class.
+    pub a: u16,
+    /// Index of the other, not below `a`.
+    pub b: u16,
+    /// Their pair correlation.
+    pub correlation: PairCorrelation,
+}
+
+/// What can be said about one pattern. Lengths are in exemplar units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Analysis {
+    /// How many points there are.
+    pub points: usize,
+    /// How many of each class.
+    pub class_sizes: Vec<usize>,
+    /// Width and height of the rectangle.
+    pub size: [f64; 2],
+    /// Window or tile.
+    pub boundary: Boundary,
+    /// Points per unit of area.
+    pub density: f64,
+    /// Mean distance to the nearest neighbour; none when all points lie in one place.
+    pub spacing: Option<f64>,
+    /// Clark & Evans's (1954) index: the mean spacing over that of independent points. Below 1 points cluster.
+    pub aggregation_index: Option<f64>,
+    /// ρ, see [`relative_radius`].
+    pub relative_radius: f64,
+    /// Distances to the first, second, … nearest neighbour: up to [`NEIGHBOURS`], fewer with few points.
+    pub nearest: Vec<Summary>,
+    /// Distances to the nearest neighbour.
+    pub nearest_histogram: Histogram,
+    /// All points, whatever their class.
+    pub pair_correlation: PairCorrelation,
+    /// Within and between classes; empty when there is one class. Classes without enough points are left out.
+    pub cross_correlations: Vec<CrossCorrelation>,
+    /// Radial mean of the periodogram.
+    pub spectrum: RadialSpectrum,
+    /// Ripley's K and L.
+    pub ripley: Ripley,
+    /// What chance does to L, if it was asked for.
+    pub envelope: Option<Envelope>,
+    /// The largest hole.
+    pub largest_empty_circle: EmptyCircle,
+    /// Points within 0.05 d of the border of a window.
+    pub border: Option<BorderCrowd>,
+}
+
+impl Analysis {
+    /// Width of the strip along a border in which points are crowded rather than near, in mean spacings.
+    pub const BORDER: f64 = 0.05;
+
+    /// Analyses a cloud: some milliseconds for a thousand points.
+    ///
+    /// # Errors
+    /// With a single point, or scales out of range.
+    pub fn of(cloud: &Cloud, scales: &Scales) -> Result<Self, AnalysisError> {
+        let nearest = nearest_distances(cloud, NEIGHBOURS)?;
+        let density = cloud.density();
+        let spacing = cloud.mean_spacing();
+        let mut cross_correlations = Vec::new();
+        let sizes = cloud.class_sizes();
+        if sizes.iter().filter(|&&size| size > 0).count() > 1 {
+            for a in 0..sizes.len() {
+                for b in a..sizes.len() {
+                    let others = if a == b { sizes[b].saturating_sub(1) } else { sizes[b] };
+                    if sizes[a] > 0 && others > 0 {
+                        let (a, b) = (a as u16, b as u16);
+                        let correlation = cross_pair_correlation(cloud, a, b, &scales.pair_correlation)?;
+                        cross_correlations.push(CrossCorrelation { a, b, correlation });
+                    }
+                }
+            }
+        }
+        Ok(Self {
+            points: cloud.len(),
+            class_sizes: sizes,
+            size: cloud.size().into(),
+            boundary: cloud.boundary(),
+            density,
+            spacing,
+            aggregation_index: spacing.map(|spacing| 2.0 * spacing * density.sqrt()),
+            relative_radius: relative_radius(cloud)?,
+            nearest: (1..=nearest.neighbours).filter_map(|k| Summary::of(nearest.of_rank(k))).collect(),
+            nearest_histogram: Histogram::of(nearest.of_rank(1), scales.histogram_width, scales.histogram_count),
+            pair_correlation: pair_correlation(cloud, &scales.pair_correlation)?,
+            cross_correlations,
+            spectrum: periodogram(cloud, scales.max_frequency)?.radial_mean(scales.ring_width)?,
+            ripley: ripley(cloud, &scales.ripley)?,
+            envelope: None,
+            largest_empty_circle: largest_empty_circle(cloud),
+            border: border_crowd(cloud, Self::BORDER * scales.spacing)?,
+        })
+    }
+
+    /// Analyses a pattern on its own, in its exemplar units, with the envelope of [`SIMULATIONS`] simulations.
+    ///
+    /// # Errors
+    /// With a single point, or all points in one place.
+    pub fn of_pattern(pattern: &PointPattern, seed: u64) -> Result<Self, AnalysisError> {
+        let cloud = Cloud::of(pattern);
+        let scales = Scales::of(&cloud)?;
+        Self::of(&cloud, &scales)?.with_envelope(&cloud, &scales, seed)
+    }
+
+    /// Adds the envelope of [`SIMULATIONS`] simulations for the cloud this analysis is of.
+    ///
+    /// # Errors
+    /// As [`envelope`].
+    pub fn with_envelope(mut self, cloud: &Cloud, scales: &Scales, seed: u64) -> Result<Self, AnalysisError> {
+        self.envelope = Some(envelope(cloud, &self.ripley, &scales.ripley, SIMULATIONS, seed)?);
+        Ok(self)
+    }
+}
+
+/// What an output has that it should not.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Defects {
+    /// Points nearer than this are stacked, in exemplar units; see [`stacking_distance`].
+    pub stacking_distance: f64,
+    /// Share of the output's points that are stacked.
+    pub stacked: f64,
+    /// The same of the exemplar.
+    pub exemplar_stacked: f64,
+    /// Radius of the output's largest empty circle over that of the exemplar's. In a random pattern the largest of a
+    /// larger rectangle is naturally somewhat larger.
+    pub holes: f64,
+    /// [`BorderCrowd::excess`] of the output's points within 0.05 d of an open border, less the exemplar's own. None
+    /// for a tile.
+    pub border: Option<f64>,
+}
+
+impl Defects {
+    /// Measures an output, in the exemplar's unit.
+    ///
+    /// # Errors
+    /// When either has fewer than two points, or the exemplar all in one place.
+    pub fn of(exemplar: &Cloud, output: &Cloud) -> Result<Self, AnalysisError> {
+        let spacing = exemplar.spacing_for("a search for defects")?;
+        let distance = stacking_distance(exemplar)?;
+        let (own, wanted) = (largest_empty_circle(output).radius, largest_empty_circle(exemplar).radius);
+        let width = Analysis::BORDER * spacing;
+        let usual = border_crowd(exemplar, width)?.map_or(0.0, |border| border.excess);
+        Ok(Self {
+            stacking_distance: distance,
+            stacked: stacked(output, distance)?,
+            exemplar_stacked: stacked(exemplar, distance)?,
+            holes: own / wanted.max(f64::MIN_POSITIVE),
+            border: border_crowd(output, width)?.map(|border| border.excess - usual),
+        })
+    }
+}
+
+/// How much of a [`Comparison`] is worked out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Depth {
+    /// What follows a run: no envelopes and no patches.
+    Live,
+    /// Everything.
+    Full,
+}
+
+/// An output against its exemplar. Lengths are in exemplar units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// Length of the exemplar unit in the patterns' own unit.
+    pub unit: f64,
+    /// Distances and widths of all curves.
+    pub scales: Scales,
+    /// The exemplar.
+    pub exemplar: Analysis,
+    /// The output.
+    pub output: Analysis,
+    /// The output's density over the exemplar's.
+    pub density_ratio: f64,
+    /// Mean squared difference of the two pair correlations.
+    pub pair_correlation_error: f64,
+    /// Normalised quality.
+    pub quality: Quality,
+    /// Distances that score 0.
+    pub chance: Distances,
+    /// Distances that score 1.
+    pub tiled: Distances,
+    /// Stacked points, holes, crowded borders.
+    pub defects: Defects,
+    /// The paper's numbers, in full depth and where a patch has two points.
+    pub patches: Option<PatchComparison>,
+}
+
+impl Comparison {
+    /// Compares in full depth, both patterns in the same unit of length. The same seed gives the same numbers.
+    ///
+    /// # Errors
+    /// When the exemplar has no two points in different places, or the output fewer than two points.
+    pub fn of(exemplar: &PointPattern, output: &PointPattern, seed: u64) -> Result<Self, AnalysisError> {
+        let judge = Judge::new(exemplar, output, seed)?;
+        judge.compare(output, Depth::Full)
+    }
+}
+
+/// An exemplar and what it takes to judge outputs of one kind: made once, it follows a run.
+#[derive(Clone, Debug)]
+pub struct Judge {
+    pattern: PointPattern,
+    unit: f64,
+    seed: u64,
+    scales: Scales,
+    cloud: Cloud,
+    analysis: Analysis,
+    domain: Domain,
+    boundary: Boundary,
+    class_sizes: Vec<usize>,
+    quality: QualityScale,
+}
+
+impl Judge {
+    /// Prepares to judge outputs with the domain, boundary and classes of `output`, be it a start or a result.
+    ///
+    /// # Errors
+    /// When the exemplar has no two points in different places, or the output fewer than two points.
+    pub fn new(exemplar: &PointPattern, output: &PointPattern, seed: u64) -> Result<Self, AnalysisError> {
+        let unit = exemplar_unit(exemplar);
+        let (cloud, points) = common_classes(exemplar, output, unit)?;
+        let scales = Scales::of(&cloud)?;
+        let analysis = Analysis::of(&cloud, &scales)?;
+        let class_sizes = points.class_sizes();
+        let quality = QualityScale::new(&cloud, points.size(), points.boundary(), &class_sizes, seed)?;
+        let (domain, boundary) = (output.domain(), output.boundary());
+        Ok(Self {
+            pattern: exemplar.clone(),
+            unit,
+            seed,
+            scales,
+            cloud,
+            analysis,
+            domain,
+            boundary,
+            class_sizes,
+            quality,
+        })
+    }
+
+    /// The scales of all curves.
+    #[must_use]
+    pub fn scales(&self) -> &Scales {
+        &self.scales
+    }
+
+    /// The exemplar's side.
+    #[must_use]
+    pub fn exemplar(&self) -> &Analysis {
+        &self.analysis
+    }
+
+    /// Judges an output. One of another domain, boundary or class sizes than prepared for is judged as if it had been.
+    ///
+    /// # Errors
+    /// With fewer than two points.
+    pub fn compare(&self, output: &PointPattern, depth: Depth) -> Result<Comparison, AnalysisError> {
+        let (_, points) = common_classes(&self.pattern, output, self.unit)?;
+        let prepared = (output.domain(), output.boundary(), points.class_sizes())
+            == (self.domain, self.boundary, self.class_sizes.clone());
+        if !prepared {
+            return Self::new(&self.pattern, output, self.seed)?.compare(output, depth);
+        }
+        let mut exemplar = self.analysis.clone();
+        let mut analysis = Analysis::of(&points, &self.scales)?;
+        let mut patches = None;
+        if depth == Depth::Full {
+            exemplar = exemplar.with_envelope(&self.cloud, &self.scales, self.seed)?;
+            analysis = analysis.with_envelope(&points, &self.scales, self.seed)?;
+            patches = compare_patches(&self.cloud, &points).ok();
+        }
+        Ok(Comparison {
+            unit: self.unit,
+            scales: self.scales,
+            density_ratio: analysis.density / exemplar.density,
+            pair_correlation_error: analysis
+                .pair_correlation
+                .mean_squared_difference(&exemplar.pair_correlation)
+                .unwrap_or(f64::INFINITY),
+            exemplar,
+            output: analysis,
+            quality: self.quality.judge(&points)?,
+            chance: self.quality.chance,
+            tiled: self.quality.tiled,
+            defects: Defects::of(&self.cloud, &points)?,
+            patches,
+        })
+    }
+}
+
+/// The unit both sides of a comparison are measured in.
+fn exemplar_unit(exemplar: &PointPattern) -> f64 {
+    exemplar.domain().exemplar_unit()
+}
+
+/// Both patterns in one unit, with one numbering of classes: the exemplar's, then what only the output has. Classes
+/// are the same when their names are, or when there is one on each side.
+fn common_classes(exemplar: &PointPattern, output: &PointPattern, unit: f64) -> Result<(Cloud, Cloud), AnalysisError> {
+    let known = exemplar.class_names();
+    let mut more: Vec<&String> = Vec::new();
+    let alone = known.len() == 1 && output.class_names().len() == 1;
+    let numbers: Vec<u16> = output
+        .class_names()
+        .iter()
+        .map(|name| match known.iter().position(|other| other == name) {
+            Some(number) => number as u16,
+            None if alone => 0,
+            None => {
+                more.push(name);
+                (known.len() + more.len() - 1) as u16
+            }
+        })
+        .collect();
+    let count = known.len() + more.len();
+    let (exemplar, output) = (Cloud::in_unit(exemplar, unit)?, Cloud::in_unit(output, unit)?);
+    let renumber = |class: u16| numbers.get(usize::from(class)).copied().unwrap_or(class);
+    Ok((exemplar.renumbered(count, |class| class), output.renumbered(count, renumber)))
+}

@@ -1,0 +1,198 @@
+//! `pointweave analyze`: the real binary, its table, its JSON, its picture, and what it says when it refuses.
+#![cfg(not(target_arch = "wasm32"))]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+use glam::DVec2;
+use pointweave::analysis::{Cloud, tile};
+use pointweave::formats::write_csv;
+use pointweave::sampling::{Purpose, Rng, white_noise};
+use pointweave::{Boundary, Domain, PointPattern, gallery};
+
+/// A folder of its own for one test, gone with it.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(test: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("pointweave-analyze-{}-{test}", std::process::id()));
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.0.join(name).to_str().unwrap().to_owned()
+    }
+
+    fn file(&self, name: &str, text: &str) -> String {
+        fs::write(self.0.join(name), text).unwrap();
+        self.path(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn run(arguments: &[&str], input: &[u8]) -> Output {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_pointweave"))
+        .arg("analyze")
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // A command that refuses early may never read it.
+    let _ = child.stdin.take().unwrap().write_all(input);
+    child.wait_with_output().unwrap()
+}
+
+/// Runs what must succeed in silence; returns standard output.
+#[track_caller]
+fn says(arguments: &[&str], input: &[u8]) -> String {
+    let output = run(arguments, input);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), &*words), (Some(0), ""), "{arguments:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The command must end with `code` and say all of `parts`, with nothing on standard output.
+#[track_caller]
+fn refused(arguments: &[&str], input: &[u8], code: i32, parts: &[&str]) {
+    let output = run(arguments, input);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {words}");
+    assert!(output.stdout.is_empty());
+    for part in parts {
+        assert!(words.contains(part), "{arguments:?}\n  says    {words:?}\n  without {part:?}");
+    }
+}
+
+/// An exemplar and an output of twice its width and height: tiled, or chance.
+fn sides(name: &str, chance: bool) -> [String; 2] {
+    let exemplar = gallery::find(name).unwrap().exemplar();
+    let cloud = Cloud::of(&exemplar);
+    let size = 2.0 * cloud.size();
+    let mut places = tile(&cloud, size, Boundary::Periodic).unwrap().points().to_vec();
+    if chance {
+        places = white_noise(&mut Rng::new(3, Purpose::Gallery), size, places.len());
+    }
+    let output = PointPattern::new(Domain::new(DVec2::ZERO, size).unwrap(), places).unwrap();
+    [write_csv(&exemplar), write_csv(&output.with_boundary(Boundary::Periodic))]
+}
+
+#[test]
+fn one_pattern_is_described() {
+    let table = says(&["gallery:hex"], b"");
+    assert!(table.starts_with("The 100 points stand like a lattice"), "{table}");
+    for part in
+        ["relative radius ρ                             1.0000", "neighbour 6: mean", "Ripley's L against chance"]
+    {
+        assert!(table.contains(part), "{table}\nwithout {part}");
+    }
+    assert!(!table.contains("quality"));
+    let json: serde_json::Value = serde_json::from_str(&says(&["gallery:hex", "--json"], b"")).unwrap();
+    assert!((json["analysis"]["relative_radius"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    assert_eq!(json["analysis"]["pair_correlation"]["value"].as_array().unwrap().len(), 100);
+    assert_eq!(json["analysis"]["boundary"], "periodic");
+    assert!(json["verdict"].as_str().unwrap().starts_with("The 100 points"));
+    // What the file declares can be overruled: a window of a lattice has a border.
+    let open = says(&["gallery:hex", "--boundary", "open", "--json"], b"");
+    let open: serde_json::Value = serde_json::from_str(&open).unwrap();
+    assert_eq!(open["analysis"]["boundary"], "open");
+    assert!(open["analysis"]["border"]["expected"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn an_output_is_judged() {
+    let folder = Folder::new("judged");
+    let score = |[exemplar, output]: [String; 2]| {
+        let a = folder.file("a.csv", &exemplar);
+        let table = says(&[&a, "-"], output.as_bytes());
+        let json: serde_json::Value = serde_json::from_str(&says(&[&a, "-", "--json"], output.as_bytes())).unwrap();
+        let verdict = json["verdict"].as_str().unwrap().to_owned();
+        assert!(table.starts_with(&verdict), "{table}");
+        for part in ["exemplar", "output", "arrangement", "detail", "variety", "Chamfer", "Wasserstein"] {
+            assert!(table.contains(part), "{table}\nwithout {part}");
+        }
+        let score = json["comparison"]["quality"]["score"].as_f64().unwrap();
+        assert!(table.contains(&format!("{:<36}{score:>12.3}", "all")), "{table}");
+        (score, verdict)
+    };
+    let (best, words) = score(sides("chevrons", false));
+    assert!((best - 1.0).abs() < 1e-6 && words.contains("as good as a copy"), "{best} {words}");
+    let (chance, words) = score(sides("chevrons", true));
+    assert!(chance.abs() < 0.15 && words.contains("hardly"), "{chance} {words}");
+    // The seed is that of what they are compared with: other noise, a slightly other zero.
+    let [exemplar, output] = sides("chevrons", true);
+    let a = folder.file("a.csv", &exemplar);
+    let once = says(&[&a, "-", "--json"], output.as_bytes());
+    assert_eq!(once, says(&[&a, "-", "--json", "--seed", "1"], output.as_bytes()));
+    assert_ne!(once, says(&[&a, "-", "--json", "--seed", "2"], output.as_bytes()));
+}
+
+#[test]
+fn a_report_is_drawn() {
+    let folder = Folder::new("report");
+    let [exemplar, output] = sides("rings", true);
+    let (a, b) = (folder.file("a & b.csv", &exemplar), folder.file("out.csv", &output));
+    let report = folder.path("report.svg");
+    let table = says(&[&a, &b, "--svg", &report], b"");
+    assert!(table.contains("quality"));
+    let svg = fs::read_to_string(&report).unwrap();
+    assert!(svg.starts_with("<svg xmlns") && svg.ends_with("</svg>\n"));
+    for part in [
+        "<title>out.csv against its exemplar a &amp; b.csv</title>",
+        "Pair correlation",
+        "Distance to the nearest neighbour",
+        "Radial periodogram",
+        "Ripley’s L",
+        "Where neighbours lie",
+        "mean spacing d",
+        "fill=\"#0072b2\"",
+        "fill=\"#d55e00\"",
+    ] {
+        assert!(svg.contains(part), "no {part}");
+    }
+    assert_eq!(svg.matches("data:image/png;base64,").count(), 4);
+    assert!(svg.matches("<circle").count() >= 60 + 240);
+    assert!(!svg.contains("NaN") && !svg.contains("inf\""));
+    for tag in ["<g", "<text", "<clipPath"] {
+        let close = format!("</{}>", &tag[1..]);
+        let opened = svg.matches(&format!("{tag} ")).count() + svg.matches(&format!("{tag}>")).count();
+        assert_eq!(opened, svg.matches(&close).count(), "{tag}");
+    }
+    assert!(svg.len() < 400_000, "{}", svg.len());
+    // One pattern alone, several classes, an open border.
+    let classes = "x,y,class\n0.1,0.2,oak\n0.5,0.4,elm\n0.8,0.9,oak\n0.3,0.7,elm\n0.6,0.1,oak\n";
+    says(&["-", "--svg", &report, "--json"], classes.as_bytes());
+    let svg = fs::read_to_string(&report).unwrap();
+    assert!(svg.contains("<title>Point pattern: standard input</title>"));
+    assert_eq!(svg.matches("data:image/png;base64,").count(), 2);
+}
+
+#[test]
+fn what_can_not_be_analysed_is_refused() {
+    let folder = Folder::new("refused");
+    let good = folder.file("good.csv", "0.1 0.1\n0.9 0.9\n0.2 0.7\n");
+    refused(&[], b"", 2, &["<A>"]);
+    refused(&["-", "-"], b"0 0", 2, &["both be standard input"]);
+    refused(&["gallery:nothing"], b"", 2, &["no 'nothing'"]);
+    refused(&[&good, "--output-domain", "0,0,1,1"], b"", 2, &["<B>"]);
+    refused(&[&good, "--seed", "x"], b"", 2, &["--seed"]);
+    refused(&["-"], b"0.5 0.5", 1, &["standard input can't be analysed", "at least 2 points, but there are 1"]);
+    refused(&["-"], b"0.5 0.5\n0.5 0.5\n", 1, &["all 2 points lie in one place"]);
+    refused(&[&good, "-"], b"0.5 0.5", 1, &["good.csv and standard input can't be compared"]);
+    refused(&[&folder.path("missing.csv")], b"", 1, &["missing.csv", "can't be read"]);
+    refused(&[&good, "--svg", &folder.path("no/where.svg")], b"", 1, &["folder does not exist"]);
+    let help = says(&["--help"], b"");
+    for part in ["Examples:", "gallery:NAME", "--json", "--svg", "1 for A tiled"] {
+        assert!(help.contains(part), "{help}\nwithout {part}");
+    }
+}
