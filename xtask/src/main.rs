@@ -2,8 +2,8 @@
 
 mod bench_peer;
 mod bench_web;
-mod gallery_sheet;
 mod process;
+mod quality;
 mod requirements;
 mod serve;
 mod test;
@@ -31,8 +31,8 @@ enum Command {
     Serve(serve::ServeArguments),
     /// Run every check there is: format, lints, native tests, WebAssembly, the page in a browser.
     Test(test::TestArguments),
-    /// Synthesise from every exemplar of the gallery and put the pictures on one sheet.
-    GallerySheet(gallery_sheet::SheetArguments),
+    /// Run the presets on the gallery, judge every output, and write tables and sheets of pictures.
+    Quality(quality::QualityArguments),
     /// Time one iteration against the same work in PyTorch, turn by turn.
     BenchPeer(bench_peer::PeerArguments),
     /// Time one iteration in headless Chromium against native code on one thread, turn by turn.
@@ -45,7 +45,7 @@ fn main() -> Result<()> {
         Command::Size => web::size(),
         Command::Serve(arguments) => serve::run(&arguments),
         Command::Test(arguments) => test::run(&arguments),
-        Command::GallerySheet(arguments) => gallery_sheet::run(&arguments),
+        Command::Quality(arguments) => quality::run(&arguments),
         Command::BenchPeer(arguments) => bench_peer::run(&arguments),
         Command::BenchWeb(arguments) => bench_web::run(&arguments),
     }
