@@ -541,7 +541,10 @@ fn a_verdict_is_two_to_four_sentences_and_follows_the_score() {
     let blue = gallery::find("blue-noise").unwrap();
     let other = tile(&Cloud::of(&blue.generate(2)), DVec2::splat(2.0), Boundary::Periodic).unwrap();
     let words = verdict(&Comparison::of(&blue.exemplar(), &pattern(&other), 1).unwrap());
-    assert!(words.contains("another sample"), "{words}");
+    assert!(words.contains("is like another sample"), "{words}");
+    // Arranged alike, but every point a little off: the neighbours come too near.
+    let near = verdict(&Comparison::of(&blue.exemplar(), &pattern(&jittered(&other, 0.004, 1)), 1).unwrap());
+    assert!(!near.contains("is like another sample"), "{near}");
     assert!(describe(&Analysis::of_pattern(&exemplar, 1).unwrap()).contains("Ripley"));
 }
 

@@ -175,6 +175,7 @@ fn a_report_is_drawn() {
     let svg = fs::read_to_string(&report).unwrap();
     assert!(svg.contains("<title>Point pattern: standard input</title>"));
     assert_eq!(svg.matches("data:image/png;base64,").count(), 2);
+    assert!(svg.contains(">oak</text>") && svg.contains(">elm</text>") && svg.contains("fill=\"#0072b2\""));
 }
 
 #[test]

@@ -108,6 +108,20 @@ struct Side<'a> {
     role: &'static str,
 }
 
+/// The names of all classes, numbered as in [`common_classes`]; none when every pattern has but one.
+fn class_names<'a>(sides: &'a [Side<'_>]) -> Vec<&'a str> {
+    if sides.iter().all(|side| side.pattern.class_names().len() == 1) {
+        return Vec::new();
+    }
+    let mut names: Vec<&str> = Vec::new();
+    for name in sides.iter().flat_map(|side| side.pattern.class_names()) {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    names
+}
+
 /// The page as it grows, downwards.
 struct Page {
     svg: String,
@@ -209,34 +223,39 @@ impl Page {
         let top = self.y;
         let sizes: Vec<DVec2> = sides.iter().map(|side| side.cloud.size()).collect();
         let gaps = GAP * 0.5 * (sizes.len() - 1) as f64;
-        let across: f64 = sizes.iter().map(|size| size.x).sum();
-        let high = sizes.iter().map(|size| size.y).fold(0.0, f64::max);
-        let scale = ((PATTERNS.x - gaps) / across).min(PATTERNS.y / high);
+        let (sum, most) =
+            sizes.iter().fold((DVec2::ZERO, DVec2::ZERO), |(sum, most), &size| (sum + size, most.max(size)));
+        // Above a pattern stands its name.
+        let head = 30.0;
+        let beside = ((PATTERNS.x - gaps) / sum.x).min(PATTERNS.y / most.y);
+        let below = (PATTERNS.x / most.x).min((PATTERNS.y - gaps - head * (sizes.len() - 1) as f64) / sum.y);
+        // Wide ones stand below one another.
+        let (scale, stacked) = if below > 1.1 * beside { (below, true) } else { (beside, false) };
         let look = Look { margin: 0.0, ..Look::default() };
-        let mut x = MARGIN;
+        let classes = class_names(sides);
+        let mut at = DVec2::new(MARGIN, top);
+        let mut bottom = top;
         for (side, size) in sides.iter().zip(&sizes) {
             let caption = format!("{} · {} points", side.name, side.cloud.len());
             let size = *size * scale;
             let widest = ((size.x.max(170.0) + 0.4 * GAP) / 7.0) as usize;
-            let dot = DVec2::new(x + 5.0, top - 4.0);
-            let _ = writeln!(
-                self.svg,
-                "<circle cx=\"{}\" cy=\"{}\" r=\"5\" fill=\"{}\"/>",
-                Px(dot.x),
-                Px(dot.y),
-                side.color.hex()
-            );
-            self.text(DVec2::new(x + 16.0, top), "font-weight=\"600\"", &capitalised(side.role));
-            self.text(DVec2::new(x, top + 18.0), &format!("fill=\"{QUIET}\""), &shortened(&caption, widest));
-            self.pattern(side, DVec2::new(x, top + 30.0), size, &look);
-            x += size.x.max(170.0) + 0.5 * GAP;
+            self.dot(at + DVec2::new(5.0, -4.5), 5.0, side.color, false, 1.0);
+            self.text(at + DVec2::new(16.0, 0.0), "font-weight=\"600\"", &capitalised(side.role));
+            self.text(at + DVec2::new(0.0, 18.0), &format!("fill=\"{QUIET}\""), &shortened(&caption, widest));
+            self.pattern(side, &classes, at + DVec2::new(0.0, head), size, &look);
+            bottom = f64::max(bottom, at.y + head + size.y);
+            if stacked {
+                at.y = bottom + 0.5 * GAP;
+            } else {
+                at.x += size.x.max(170.0) + 0.5 * GAP;
+            }
         }
-        self.y = top + 30.0 + high * scale;
+        self.y = bottom;
         let numbers = self.numbers(sides, comparison, DVec2::new(MARGIN + PATTERNS.x + 40.0, top));
         self.y = self.y.max(numbers) + GAP;
     }
 
-    fn pattern(&mut self, side: &Side<'_>, min: DVec2, size: DVec2, look: &Look) {
+    fn pattern(&mut self, side: &Side<'_>, classes: &[&str], min: DVec2, size: DVec2, look: &Look) {
         let layout = style::lay_out(side.pattern, min, size, look);
         let id = format!("tile-{}", side.role);
         if layout.clipped {
@@ -244,23 +263,13 @@ impl Page {
             self.rectangle(layout.min, layout.size, "");
             let _ = writeln!(self.svg, "</clipPath>\n<g clip-path=\"url(#{id})\">");
         }
-        let several = side.pattern.class_names().len() > 1;
+        let several = !classes.is_empty();
         for disk in &layout.disks {
-            let class = style::class_style(disk.class);
+            let name = side.pattern.class_names().get(usize::from(disk.class));
+            let number = name.and_then(|name| classes.iter().position(|other| other == name)).unwrap_or(0);
+            let class = style::class_style(number as u16);
             let color = if several { class.color } else { side.color };
-            let (x, y) = (Px(disk.center.x), Px(disk.center.y));
-            let _ = if several && class.hollow {
-                let ring = Ring::of(disk.radius, layout.line);
-                let (r, width) = (Px(ring.radius), Px(ring.width));
-                let stroke = color.hex();
-                writeln!(
-                    self.svg,
-                    "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width}\"/>"
-                )
-            } else {
-                let r = Px(disk.radius);
-                writeln!(self.svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"{}\"/>", color.hex())
-            };
+            self.dot(disk.center, disk.radius, color, several && class.hollow, layout.line);
         }
         if layout.clipped {
             self.svg.push_str("</g>\n");
@@ -268,6 +277,20 @@ impl Page {
         // A tile's border is dashed: it is not an end.
         let dashes = if layout.clipped { " stroke-dasharray=\"5 4\"" } else { "" };
         self.rectangle(layout.min, layout.size, &format!("fill=\"none\" stroke=\"#9aa5b1\"{dashes}"));
+    }
+
+    fn dot(&mut self, center: DVec2, radius: f64, color: Color, hollow: bool, line: f64) {
+        let (x, y, color) = (Px(center.x), Px(center.y), color.hex());
+        let _ = if hollow {
+            let ring = Ring::of(radius, line);
+            let (r, width) = (Px(ring.radius), Px(ring.width));
+            writeln!(
+                self.svg,
+                "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"/>"
+            )
+        } else {
+            writeln!(self.svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\" fill=\"{color}\"/>", Px(radius))
+        };
     }
 
     /// A column of numbers; returns where it ends.
@@ -350,6 +373,17 @@ impl Page {
                 }
             }
         }
+        for (number, name) in class_names(sides).iter().enumerate() {
+            y += 22.0;
+            let class = style::class_style(number as u16);
+            self.dot(DVec2::new(at.x + 5.0, y - 4.5), 5.0, class.color, class.hollow, 1.0);
+            self.text(DVec2::new(at.x + 17.0, y), &format!("fill=\"{QUIET}\""), &shortened(name, 16));
+            for (side, &x) in sides.iter().zip(&columns) {
+                let count = side.analysis.class_sizes.get(number).copied().unwrap_or(0);
+                self.text(DVec2::new(x, y), "text-anchor=\"end\"", &count.to_string());
+            }
+            self.line(DVec2::new(at.x, y + 6.5), DVec2::new(right, y + 6.5), &format!("stroke=\"{GRID}\""));
+        }
         y + 10.0
     }
 
@@ -385,7 +419,7 @@ impl Page {
         let right = self.panel(
             1,
             "Distance to the nearest neighbour",
-            "distance / mean spacing d of the exemplar",
+            if sides.len() > 1 { "distance / mean spacing d of the exemplar" } else { "distance / mean spacing d" },
             "% of points",
             [0.0, reach],
             [0.0, 106.0 * most],

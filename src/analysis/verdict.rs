@@ -14,7 +14,7 @@ const BORDER: f64 = 0.015;
 /// whether the two patterns fit together at all.
 #[must_use]
 pub fn verdict(comparison: &Comparison) -> String {
-    let mut sentences = vec![overall(&comparison.quality), weakest(comparison), defects(comparison)];
+    let mut sentences = vec![overall(comparison), weakest(comparison), defects(comparison)];
     let ratio = comparison.density_ratio;
     if !(0.9..=1.1).contains(&ratio) {
         sentences.push(format!(
@@ -34,10 +34,24 @@ fn is_another_sample(quality: &Quality) -> bool {
         && quality.pair_density >= 0.3
 }
 
-fn overall(quality: &Quality) -> String {
+/// The output's mean distance to the nearest neighbour over the exemplar's, when chance does not explain that it is
+/// not 1: three standard errors, and a percent.
+fn other_spacing(comparison: &Comparison) -> Option<f64> {
+    let (exemplar, output) = (comparison.exemplar.nearest.first()?, comparison.output.nearest.first()?);
+    // As if the output had no more points than the exemplar: spacings of neighbours are not independent.
+    let error = exemplar.standard_deviation * (2.0 / comparison.exemplar.points as f64).sqrt();
+    let allowed = 3.0 * error + 0.01 * exemplar.mean;
+    ((output.mean - exemplar.mean).abs() > allowed).then(|| output.mean / exemplar.mean)
+}
+
+fn overall(comparison: &Comparison) -> String {
+    let quality = &comparison.quality;
     let words = match quality.score {
         score if score >= 0.9 => "The output is as good as a copy of the exemplar",
         score if score >= 0.7 => "The output reproduces the exemplar closely",
+        _ if is_another_sample(quality) && other_spacing(comparison).is_some() => {
+            "The output is arranged like another sample of the same random process, but not spaced like one"
+        }
         _ if is_another_sample(quality) => "The output is like another sample of the same random process",
         score if score >= 0.5 => "The output reproduces the exemplar, with flaws",
         score if score >= 0.25 => "The output has something of the exemplar, but much is missing",
@@ -54,6 +68,12 @@ fn weakest(comparison: &Comparison) -> String {
         return String::new();
     }
     if quality.score < 0.7 && is_another_sample(quality) {
+        if let Some(ratio) = other_spacing(comparison) {
+            return format!(
+                "Nearest neighbours lie at {} times the exemplar's distance on average, more off than chance explains.",
+                short(ratio)
+            );
+        }
         return format!(
             "More would be a copy: the exemplar's own neighbourhoods resemble one another no better (score {:.2}).",
             quality.independent
