@@ -11,6 +11,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::analysis::Cloud;
 use crate::engine::cpu::adam::Adam;
 use crate::engine::cpu::network::Network;
 use crate::engine::cpu::{CpuEngine, Float};
@@ -18,6 +19,7 @@ use crate::engine::gpu::{Gpu, GpuEngine, GpuNetwork};
 use crate::engine::view::Stage;
 use crate::engine::{Advance, Engine, ScaleSetup};
 use crate::method::parameters::Start;
+use crate::method::repair::{Limits, keep_apart, relocate};
 use crate::method::schedule::converged;
 use crate::method::{ParameterError, Parameters, Schedule};
 use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
@@ -527,7 +529,27 @@ impl Synthesis {
         self.losses.len() >= self.schedule.scales[self.scale].iterations as usize || self.scale_converged()
     }
 
+    /// Puts right what the losses hardly see, where the exemplar says that it is wrong.
+    fn repair(&mut self) {
+        let Parameters { spacing_floor, relocation, boundary, .. } = self.parameters;
+        if spacing_floor == 0.0 && relocation == 0.0 {
+            return;
+        }
+        let size = self.exemplar.domain().size_in_exemplar_units();
+        let exemplar = Cloud::new(self.exemplar_classes[..=self.class].concat(), size, self.exemplar.boundary());
+        let Some(limits) = exemplar.ok().as_ref().and_then(Limits::of) else { return };
+        let first = self.moving_from();
+        if relocation > 0.0 {
+            let most = (relocation * (self.points.len() - first) as f64).ceil() as usize;
+            relocate(&mut self.points, first, self.output_size, boundary, limits, most);
+        }
+        if spacing_floor > 0.0 {
+            keep_apart(&mut self.points, first, self.output_size, boundary, limits, spacing_floor);
+        }
+    }
+
     fn end_scale(&mut self) -> Event {
+        self.repair();
         let event = Event::ScaleFinished { progress: self.progress(), converged: self.scale_converged() };
         match self.engine.take() {
             Some(Engine::Cpu(engine)) => self.network = Some(engine.into_network()),

@@ -2,6 +2,7 @@
 
 pub mod filters;
 pub mod parameters;
+pub mod repair;
 pub mod schedule;
 
 pub use filters::FilterBank;

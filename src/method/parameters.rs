@@ -180,6 +180,13 @@ pub struct Parameters {
     pub iterations_coarse: u32,
     /// Most iterations on each later scale.
     pub iterations_fine: u32,
+    /// Iterations of a last pass over the finest scale, at half its step, after the repairs; 0 for none.
+    pub iterations_polish: u32,
+    /// After each scale points are pushed apart until they keep this share of the exemplar's smallest distance; 0 lets
+    /// them coincide, as the paper.
+    pub spacing_floor: f64,
+    /// After each scale this share of the points at most goes from crowds into holes, where the exemplar has neither.
+    pub relocation: f64,
     /// A scale may stop early only after this many iterations; also the window of the convergence test.
     pub convergence_window: u32,
     /// A scale stops when the last window brought less than this share of its whole decrease.
@@ -229,7 +236,7 @@ impl Range {
 
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
-    pub const RANGES: [Range; 24] = [
+    pub const RANGES: [Range; 27] = [
         real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
         real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
         whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
@@ -272,6 +279,14 @@ impl Parameters {
         real("learning-rate-fine", 1e-6, 1.0, "Step of the optimiser on later scales."),
         whole("iterations-coarse", 1.0, 5000.0, "Most iterations on the first scale."),
         whole("iterations-fine", 1.0, 5000.0, "Most iterations on every later scale."),
+        whole("iterations-polish", 0.0, 5000.0, "Iterations of a last pass over the finest scale."),
+        real(
+            "spacing-floor",
+            0.0,
+            1.0,
+            "Points keep this share of the exemplar's smallest distance; 0 lets them meet.",
+        ),
+        real("relocation", 0.0, 0.5, "Share of points that may go from crowds into holes after each scale."),
         whole("convergence-window", 10.0, 5000.0, "Iterations a scale runs at least, and looks back over."),
         real("convergence-tolerance", 0.0, 1.0, "A scale ends when its last window brought less than this share."),
     ];
@@ -301,6 +316,9 @@ impl Parameters {
             self.learning_rate_fine,
             self.iterations_coarse.into(),
             self.iterations_fine.into(),
+            self.iterations_polish.into(),
+            self.spacing_floor,
+            self.relocation,
             self.convergence_window.into(),
             self.convergence_tolerance,
         ]
@@ -335,6 +353,9 @@ impl Parameters {
             learning_rate_unit: LearningRateUnit::OutputSide,
             iterations_coarse: 500,
             iterations_fine: 500,
+            iterations_polish: 0,
+            spacing_floor: 0.0,
+            relocation: 0.0,
             convergence_window: 100,
             convergence_tolerance: 0.01,
         };

@@ -48,7 +48,7 @@ impl Schedule {
             spacing / p.sigma_coarse_divisor
         }
         .max(fine);
-        let scales = (0..p.scales)
+        let mut scales: Vec<Scale> = (0..p.scales)
             .map(|index| {
                 let along = if p.scales > 1 { f64::from(index) / f64::from(p.scales - 1) } else { 1.0 };
                 let sigma = coarse + (fine - coarse) * along;
@@ -72,6 +72,12 @@ impl Schedule {
                 Scale { sigma, resolution, learning_rate: rate * unit, iterations }
             })
             .collect();
+        if let Some(&finest) = scales.last()
+            && p.iterations_polish > 0
+        {
+            let learning_rate = 0.5 * finest.learning_rate;
+            scales.push(Scale { learning_rate, iterations: p.iterations_polish, ..finest });
+        }
         Self { scales }
     }
 }

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::domain::Boundary;
+use crate::domain::keep_inside;
 use crate::engine::view::Stage;
 use crate::engine::{Advance, ScaleSetup};
 use crate::method::FilterBank;
@@ -204,37 +204,4 @@ fn jitter(setup: &ScaleSetup, iteration: u32, output: &mut Evaluation<Float>) {
 pub(crate) fn jitter_rng(setup: &ScaleSetup, iteration: u32) -> Rng {
     let ScaleSetup { seed, class, scale, .. } = *setup;
     Rng::new(seed, Purpose::Jitter { class, scale, iteration })
-}
-
-/// A point that stepped over the border comes back: on the other side of a periodic domain, mirrored in an open one.
-/// (Clamping would line points up along the border.)
-pub(crate) fn keep_inside(point: DVec2, size: DVec2, boundary: Boundary) -> DVec2 {
-    let axis = |value: f64, side: f64| match boundary {
-        Boundary::Periodic => {
-            let wrapped = value.rem_euclid(side);
-            // Rounding can give the side itself for a tiny negative value.
-            if wrapped < side { wrapped } else { 0.0 }
-        }
-        Boundary::Open => {
-            let folded = value.rem_euclid(2.0 * side);
-            if folded > side { 2.0 * side - folded } else { folded }
-        }
-    };
-    DVec2::new(axis(point.x, size.x), axis(point.y, size.y))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn points_that_leave_come_back_inside() {
-        let size = DVec2::new(2.0, 1.0);
-        let back = |x, y, boundary| keep_inside(DVec2::new(x, y), size, boundary);
-        assert_eq!(back(2.25, -0.25, Boundary::Open), DVec2::new(1.75, 0.25));
-        assert_eq!(back(2.25, -0.25, Boundary::Periodic), DVec2::new(0.25, 0.75));
-        assert_eq!(back(1.5, 0.5, Boundary::Open), DVec2::new(1.5, 0.5));
-        let tiny = back(-1e-300, 1.0, Boundary::Periodic);
-        assert!(tiny.x < 2.0 && tiny.y < 1.0, "{tiny}");
-    }
 }

@@ -267,7 +267,7 @@ pub async fn compare(gpu: &Arc<Gpu>, case: Case) -> Result<Vec<Deviation>, GpuEr
     let mut moved = points[first..].to_vec();
     adam.step(&mut moved, &device_gradients, setup.learning_rate);
     for point in &mut moved {
-        *point = crate::engine::cpu::keep_inside(*point, setup.output_size, boundary);
+        *point = crate::domain::keep_inside(*point, setup.output_size, boundary);
     }
     let before = points.iter().flat_map(|point| point.to_array());
     let after = points[..first].iter().chain(&moved).flat_map(|point| point.to_array());

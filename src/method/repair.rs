@@ -1,0 +1,180 @@
+//! What the losses hardly see, put right between scales: points on top of one another, and holes.
+//!
+//! Statistics of blurred maps barely change when two points coincide or when one lattice place stays empty while a point
+//! stands beside another: the gradient there is small, and the way out leads uphill. The exemplar says what is out of
+//! the question: a distance between points that it never has, a hole larger than any of its own. Only such places are
+//! touched, so a pattern that has none is left alone. (Tu et al. 2019, §5, add and remove whole points for this, with
+//! weights that are optimised; here a point goes from where it is in the way to where one is missing.)
+
+use glam::DVec2;
+
+use crate::analysis::{Cloud, Neighbour, largest_empty_circle};
+use crate::domain::Boundary;
+
+/// Points stand in each other's way below this share of the exemplar's smallest distance.
+const CROWDED: f64 = 0.85;
+/// A hole is one when it is larger than the exemplar's largest by this factor.
+const HOLE: f64 = 1.15;
+/// Distances are only kept up to this relative radius (Lagae & Dutré 2008): beyond, points would jam long before a
+/// lattice is found.
+const WIDEST: f64 = 0.76;
+/// Rounds of pushing apart at most; each halves the largest overlap or so.
+const ROUNDS: usize = 100;
+
+/// What an exemplar never exceeds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Smallest distance between two of its points.
+    pub distance: f64,
+    /// Radius of its largest empty circle.
+    pub hole: f64,
+}
+
+impl Limits {
+    /// Those of `exemplar`; none with fewer than two points.
+    #[must_use]
+    pub fn of(exemplar: &Cloud) -> Option<Self> {
+        let nearest = nearest(exemplar, 0);
+        let distance = nearest.iter().map(|(first, _)| first.distance_squared.sqrt()).reduce(f64::min)?;
+        Some(Self { distance, hole: largest_empty_circle(exemplar).radius })
+    }
+}
+
+/// The two nearest neighbours of every point of `first …`; the second is the first again where there is no other.
+fn nearest(cloud: &Cloud, first: usize) -> Vec<(Neighbour, Neighbour)> {
+    let grid = cloud.neighbours();
+    let mut found = Vec::new();
+    (first..cloud.len())
+        .filter_map(|index| {
+            grid.nearest(cloud.points()[index], 2, Some(index), &mut found);
+            Some((*found.first()?, *found.last()?))
+        })
+        .collect()
+}
+
+/// Moves up to `most` of the points of `first …` from crowds into holes; returns how many. Points before `first` are
+/// frozen but count.
+pub fn relocate(
+    points: &mut [DVec2],
+    first: usize,
+    size: DVec2,
+    boundary: Boundary,
+    limits: Limits,
+    most: usize,
+) -> usize {
+    for moved in 0..most {
+        let Ok(cloud) = Cloud::new(points.to_vec(), size, boundary) else { return moved };
+        let hole = largest_empty_circle(&cloud);
+        if hole.radius <= HOLE * limits.hole {
+            return moved;
+        }
+        // Of two that are in each other's way, the one that is more so in the second place.
+        let crowded = nearest(&cloud, first)
+            .into_iter()
+            .enumerate()
+            .filter(|(_, (nearest, _))| nearest.distance_squared.sqrt() < CROWDED * limits.distance)
+            .min_by(|(_, a), (_, b)| {
+                let key = |pair: &(Neighbour, Neighbour)| pair.0.distance_squared + pair.1.distance_squared;
+                key(a).total_cmp(&key(b))
+            });
+        let Some((index, _)) = crowded else { return moved };
+        points[first + index] = hole.center.into();
+    }
+    most
+}
+
+/// Pushes the points of `first …` apart until none is nearer to another than `share` of the exemplar's smallest
+/// distance, or as near to that as a bounded number of rounds comes.
+pub fn keep_apart(points: &mut [DVec2], first: usize, size: DVec2, boundary: Boundary, limits: Limits, share: f64) {
+    // Twice the radius of discs in the densest packing of as many.
+    let packed = 2.0 * (size.x * size.y / (2.0 * 3.0_f64.sqrt() * points.len() as f64)).sqrt();
+    let distance = (share * limits.distance).min(WIDEST * packed);
+    // A little more than asked for, or the last overlaps would only be halved for ever.
+    let wanted = 1.002 * distance;
+    for _ in 0..ROUNDS {
+        let Ok(cloud) = Cloud::new(points.to_vec(), size, boundary) else { return };
+        let mut push = vec![DVec2::ZERO; points.len()];
+        let mut any = false;
+        cloud.neighbours().pairs(wanted, |i, j, offset| {
+            // A point and its own image can't be parted.
+            if i == j || i.max(j) < first {
+                return;
+            }
+            let length = offset.length();
+            any |= length < distance;
+            let direction = if length > 1e-12 {
+                offset / length
+            } else {
+                // Coinciding points part in directions of their own.
+                let angle = 2.399_963 * (i + j) as f64;
+                DVec2::new(libm::cos(angle), libm::sin(angle))
+            };
+            let both = i >= first && j >= first;
+            let step = direction * (wanted - length) * if both { 0.5 } else { 1.0 };
+            if i >= first {
+                push[i] -= step;
+            }
+            if j >= first {
+                push[j] += step;
+            }
+        });
+        if !any {
+            return;
+        }
+        for (point, push) in points.iter_mut().zip(&push).skip(first) {
+            *point = crate::domain::keep_inside(*point + *push, size, boundary);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{Purpose, Rng, white_noise};
+
+    fn grid(side: usize) -> Vec<DVec2> {
+        (0..side * side).map(|i| (DVec2::new((i % side) as f64, (i / side) as f64) + 0.5) / side as f64).collect()
+    }
+
+    fn cloud(points: &[DVec2]) -> Cloud {
+        Cloud::new(points.to_vec(), DVec2::ONE, Boundary::Periodic).unwrap_or_else(|error| unreachable!("{error}"))
+    }
+
+    #[test]
+    fn a_point_beside_another_goes_to_the_empty_place() {
+        let whole = grid(6);
+        let limits = Limits::of(&cloud(&whole)).unwrap_or_else(|| unreachable!());
+        assert!((limits.distance - 1.0 / 6.0).abs() < 1e-12);
+        let mut broken = whole.clone();
+        broken[14] = whole[3] + 0.02;
+        assert_eq!(relocate(&mut broken, 0, DVec2::ONE, Boundary::Periodic, limits, 10), 1);
+        let filled = broken.iter().map(|point| point.distance(whole[14])).fold(f64::INFINITY, f64::min);
+        assert!(filled < 0.01, "{filled}");
+        // What is as it should be is left alone, and so is what may not move.
+        let mut same = whole.clone();
+        assert_eq!(relocate(&mut same, 0, DVec2::ONE, Boundary::Periodic, limits, 10), 0);
+        assert_eq!(same, whole);
+        let mut frozen = whole.clone();
+        frozen[14] = whole[3] + 0.02;
+        let before = frozen.clone();
+        assert_eq!(relocate(&mut frozen, 36, DVec2::ONE, Boundary::Periodic, limits, 10), 0);
+        assert_eq!(frozen, before);
+    }
+
+    #[test]
+    fn points_are_kept_as_far_apart_as_the_exemplar_s() {
+        for boundary in [Boundary::Open, Boundary::Periodic] {
+            let mut points = white_noise(&mut Rng::new(2, Purpose::Gallery), DVec2::ONE, 200);
+            points[7] = points[8];
+            let distance = |points: &[DVec2]| {
+                let cloud = Cloud::new(points.to_vec(), DVec2::ONE, boundary).ok();
+                cloud.and_then(|cloud| Limits::of(&cloud)).map_or(0.0, |limits| limits.distance)
+            };
+            assert_eq!(distance(&points), 0.0);
+            let limits = Limits { distance: 0.05, hole: 1.0 };
+            keep_apart(&mut points, 0, DVec2::ONE, boundary, limits, 1.0);
+            assert!(distance(&points) >= 0.05 - 1e-12, "{boundary:?}: {}", distance(&points));
+            assert!(points.iter().all(|p| p.cmpge(DVec2::ZERO).all() && p.cmple(DVec2::ONE).all()));
+        }
+    }
+}
