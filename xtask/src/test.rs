@@ -63,7 +63,8 @@ impl Step {
     fn needs(self) -> &'static [Requirement] {
         match self {
             Self::Requirements => &Requirement::ALL,
-            Self::Format | Self::Lint | Self::Web => &[],
+            Self::Format | Self::Lint => &[],
+            Self::Web => &[Requirement::Node, Requirement::Npm],
             // The GPU engine is tested on whatever adapter there is, and none is a failure.
             Self::Native => &[Requirement::Vulkan],
             Self::Types => &[Requirement::Node, Requirement::Npm],
@@ -181,7 +182,7 @@ impl Session<'_> {
 
     fn build_page(&mut self) -> Result<()> {
         if !self.is_page_built {
-            web::build(&web::BuildArguments::default())?;
+            web::build(&web::BuildArguments { optimize: true })?;
             self.is_page_built = true;
         }
         Ok(())

@@ -9,7 +9,7 @@ use clap::Args;
 use flate2::{Compression, write::GzEncoder};
 use wasm_bindgen_cli_support::Bindgen;
 
-use crate::process;
+use crate::{process, requirements};
 
 /// Most bytes the compressed module may take, about what a photograph on a page weighs. Not to be raised: whatever does
 /// not fit has to become smaller or stay out.
@@ -21,11 +21,11 @@ const MODULE: &str = "pointweave_bg.wasm";
 /// Options of `cargo xtask build`.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub(crate) struct BuildArguments {
-    /// Shrink the module with the wasm-opt of npm's binaryen, which must be installed in node_modules/.
+    /// Shrink the module with the wasm-opt of npm's binaryen, as for the page that people get; takes half a minute.
     ///
     /// Never a distribution's: version 108 writes broken modules without a word.
     #[arg(long)]
-    optimize: bool,
+    pub(crate) optimize: bool,
 }
 
 /// Where the built page lies.
@@ -60,6 +60,7 @@ pub(crate) fn size() -> Result<()> {
     let folder = process::target().join("wasm-size");
     remove(&folder)?;
     compile(&folder)?;
+    shrink(&folder.join(MODULE))?;
     check_size(&folder.join(MODULE))
 }
 
@@ -101,11 +102,24 @@ fn compile(folder: &Path) -> Result<()> {
 }
 
 fn shrink(module: &Path) -> Result<()> {
+    requirements::provide_npm_packages()?;
     let tool = process::root().join("node_modules/.bin/wasm-opt");
     if !tool.is_file() {
-        bail!("{} is missing; `npm install --no-save binaryen` brings it", tool.display());
+        bail!("{} is missing; `npm ci` brings it", tool.display());
     }
-    process::run(process::command(tool).arg("-O3").arg(module).arg("-o").arg(module))
+    // What rustc uses by default and wasm-opt does not.
+    let features = [
+        "simd",
+        "bulk-memory",
+        "sign-ext",
+        "nontrapping-float-to-int",
+        "mutable-globals",
+        "reference-types",
+        "multivalue",
+    ];
+    let mut command = process::command(tool);
+    command.arg("-Os").args(features.map(|feature| format!("--enable-{feature}")));
+    process::run(command.arg(module).arg("-o").arg(module))
 }
 
 fn remove(folder: &Path) -> Result<()> {
