@@ -46,6 +46,12 @@ impl WorkerSession {
         to_js(&response)
     }
 
+    /// Computes from now on with what another session chose: a run can go on here while a device is opened there.
+    #[wasm_bindgen(js_name = takeEngine)]
+    pub fn take_engine(&mut self, other: Self) {
+        self.0.take_engine(other.0);
+    }
+
     /// Makes the device stop working, as unplugging it would; for tests.
     #[wasm_bindgen(js_name = destroyDevice)]
     pub fn destroy_device(&self) {

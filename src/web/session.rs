@@ -163,7 +163,7 @@ pub struct Session {
     /// How many were lost since the person chose.
     devices_lost: u32,
     /// What computes now, and why, if that has not been told yet.
-    change: Option<(EngineView, String)>,
+    change: Option<(EngineView, Option<String>)>,
 }
 
 /// The processor.
@@ -234,6 +234,8 @@ impl Session {
     }
 
     fn adopt(&mut self, mut synthesis: Synthesis) -> Result<Response, Refusal> {
+        // The run before may have been too large for the device.
+        self.change = self.gpu.as_ref().map(|gpu| (self.gpu_view(gpu), None));
         synthesis.use_gpu(self.gpu.clone(), DEVICE_MEMORY);
         let exemplar = synthesis.exemplar();
         let unit = exemplar.domain().exemplar_unit();
@@ -268,10 +270,7 @@ impl Session {
                 Event::Working => {}
                 Event::Waiting if after < pull.end => return Ok(Pulled::Waiting),
                 Event::Waiting => break,
-                Event::EngineChanged { reason } => {
-                    self.gpu = None;
-                    return Ok(Pulled::EngineGone(reason));
-                }
+                Event::EngineChanged { reason } => return Ok(Pulled::EngineGone(reason)),
                 event => {
                     match event {
                         Event::Iterated { .. } => {
@@ -295,6 +294,7 @@ impl Session {
 
     fn batch(&mut self, pull: Pull) -> Result<Response, Refusal> {
         let (engine, note) = self.change.take().unzip();
+        let note = note.flatten();
         let run = self.run.as_ref().ok_or(Refusal::NoRun)?;
         let progress: Progress = run.synthesis.progress();
         let moved = pull.moved || run.finished;
@@ -318,7 +318,7 @@ impl Session {
                 Pulled::Full => break,
                 // Only with a device, which only [`Self::answer`] can wait for.
                 Pulled::Waiting => break,
-                Pulled::EngineGone(reason) => self.change = Some((cpu(), on_cpu(&reason))),
+                Pulled::EngineGone(reason) => self.leave_device(&reason),
             }
         }
         self.batch(pull)
@@ -369,18 +369,28 @@ impl Session {
         }
     }
 
+    /// Goes on without a device.
+    fn leave_device(&mut self, reason: &str) {
+        self.change = Some((cpu(), Some(on_cpu(reason))));
+        // One that works, but has no room for this run, stays for the next.
+        self.gpu = self.gpu.take().filter(|gpu| gpu.fault().is_none());
+    }
+
     /// After a device was lost: once another one, then the processor.
     async fn replace_device(&mut self, reason: &str) {
+        self.leave_device(reason);
+        if self.gpu.is_some() {
+            return;
+        }
         self.devices_lost += 1;
-        let fresh = if self.devices_lost == 1 { open().await.ok() } else { None };
-        self.change = Some(match &fresh {
-            Some(gpu) => {
-                let note = format!("{}. Going on with a fresh device from the last iteration.", capital(reason));
-                (self.gpu_view(gpu), note)
-            }
-            None => (cpu(), on_cpu(reason)),
-        });
-        self.use_gpu(fresh);
+        if self.devices_lost > 1 {
+            return;
+        }
+        if let Ok(gpu) = open().await {
+            let note = format!("{}. Going on with a fresh device from the last iteration.", capital(reason));
+            self.change = Some((self.gpu_view(&gpu), Some(note)));
+            self.use_gpu(Some(gpu));
+        }
     }
 
     fn use_gpu(&mut self, gpu: Option<Arc<Gpu>>) {
@@ -392,7 +402,6 @@ impl Session {
 
     async fn choose_engine(&mut self, choice: EngineChoice, adapter: Option<AdapterView>) -> Response {
         self.adapter = adapter;
-        self.devices_lost = 0;
         let emulated = self.adapter.as_ref().is_some_and(|adapter| adapter.software);
         let (gpu, note) = match choice {
             EngineChoice::Cpu => (None, None),
@@ -406,8 +415,15 @@ impl Session {
             },
         };
         let engine = gpu.as_ref().map_or_else(cpu, |gpu| self.gpu_view(gpu));
-        self.use_gpu(gpu);
+        self.choose_gpu(gpu);
         Response::Engine { engine, note }
+    }
+
+    /// Computes with what the person chose, whatever happened before.
+    fn choose_gpu(&mut self, gpu: Option<Arc<Gpu>>) {
+        self.devices_lost = 0;
+        self.change = None;
+        self.use_gpu(gpu);
     }
 
     fn gpu_view(&self, gpu: &Gpu) -> EngineView {
@@ -418,6 +434,12 @@ impl Session {
             name: name.to_owned(),
             meaning: format!("{} on the graphics card: {name}", gpu.info().backend),
         }
+    }
+
+    /// Computes from now on with what another session chose: a run can go on here while a device is opened there.
+    pub fn take_engine(&mut self, other: Self) {
+        self.adapter = other.adapter;
+        self.choose_gpu(other.gpu);
     }
 
     /// Makes the device stop working, as unplugging it would; for tests.

@@ -280,10 +280,15 @@ impl Gpu {
         lock(&self.fault).clone()
     }
 
+    /// Uses it no more, for this reason unless there was one before.
+    pub(super) fn condemn(&self, reason: &str) {
+        lock(&self.fault).get_or_insert_with(|| reason.to_owned());
+    }
+
     /// Makes it stop working, as unplugging it would; for tests.
     pub fn destroy(&self) {
         // A browser reports it later, wgpu at the next poll: from now on nothing may be believed.
-        lock(&self.fault).get_or_insert_with(|| "it was destroyed".to_owned());
+        self.condemn("it was destroyed");
         self.device.destroy();
         self.bell.ring();
     }

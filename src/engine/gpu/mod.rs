@@ -274,7 +274,11 @@ impl GpuEngine {
             Phase::Exemplar { .. } => self.advance_exemplar(),
             Phase::Output(_) => self.advance_output(most),
         };
-        outcome.unwrap_or_else(|error| Advance::Lost(error.to_string()))
+        outcome.unwrap_or_else(|error| {
+            // A browser may say that a buffer is gone before it says that the device is.
+            self.gpu.condemn("a buffer can't be read back");
+            Advance::Lost(error.to_string())
+        })
     }
 
     fn advance_exemplar(&mut self) -> Result<Advance, GpuError> {
