@@ -7,5 +7,11 @@ declare module '*/pkg/pointweave.js' {
   export function bench_iterations(workload: string): string;
   export class WorkerSession {
     handle(request: unknown): unknown;
+    /** The same, waiting for a device where that takes waiting. One request at a time. */
+    answer(request: unknown): Promise<any>;
+    /** Computes from now on with what the other one chose, which is gone then. */
+    takeEngine(other: WorkerSession): void;
+    destroyDevice(): void;
+    free(): void;
   }
 }

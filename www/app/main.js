@@ -1,10 +1,11 @@
 // @ts-check
 /** The playground: wires the controls, the worker and the canvases together. */
 import { drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { Engine } from './engine.js';
 import { LossChart } from './loss-chart.js';
 import { Run } from './run.js';
 import { Stage } from './stage.js';
-import { duration, points, rate, times } from './words.js';
+import { duration, points, times } from './words.js';
 import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 
 /** @typedef {import('./messages.js').Source} Source */
@@ -26,6 +27,11 @@ const address = new URLSearchParams(location.search);
 /** `?test=1` lets a test make the worker die; `&patience=` says after how many milliseconds of silence it counts as dead. */
 const isTest = address.get('test') === '1';
 const patience = isTest ? Number(address.get('patience')) || 30_000 : 30_000;
+/** `&with=channels:4,grid-max:16` replaces parameters, so that a test can have a run that a slow device gets through. */
+const replaced = Object.fromEntries(
+  ((isTest && address.get('with')) || '').split(',').map((pair) => pair.split(':')).filter(([, value]) => value)
+    .map(([name, value]) => [name, Number(value)]),
+);
 
 /**
  * @template {HTMLElement} [E=HTMLElement]
@@ -41,6 +47,7 @@ function element(id) {
 const stage = new Stage();
 const chart = new LossChart();
 const link = new WorkerLink(`./worker.js${isTest ? '?test=1' : ''}`, patience, onWorkerDeath);
+const engine = new Engine(link, { announce, checks: (checks) => void (run.shares = checks) });
 const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain });
 
 /** @type {Chosen} */
@@ -110,6 +117,7 @@ function announce(text) {
 /** @param {string} reason */
 function onWorkerDeath(reason) {
   run.workerDied();
+  engine.workerDied();
   if (!booted) {
     notify(`The computation could not start: ${reason}.`, { label: 'Try again', act: () => void boot() });
     return;
@@ -146,6 +154,7 @@ function onStarted(started) {
   );
   element('download-csv').title = `${points(outputCount)}, one line each, in the exemplar's own units`;
   showProgress(null, null);
+  engine.ensure();
 }
 
 /** @param {import('./messages.js').BatchResponse} batch */
@@ -154,8 +163,10 @@ function onBatch(batch) {
   progress = batch.progress;
   for (const event of batch.events) {
     if (event.type === 'iterated') chart.add(event.loss);
-    else if (event.type === 'scale-started') chart.beginScale();
+    // A scale also starts anew where another engine takes it over.
+    else if (event.type === 'scale-started' && event.progress.iteration === 0) chart.beginScale();
   }
+  if (batch.engine) engine.change(batch.engine, batch.note);
   if (batch.points) stage.move(batch.points);
   showProgress(batch.iterationsPerSecond, batch.secondsLeft);
   if (progress.scale !== scaleBefore) announce(`Scale ${progress.scale + 1} of ${progress.scales} has begun.`);
@@ -173,7 +184,7 @@ function showProgress(iterationsPerSecond, secondsLeft) {
   const part = classes > 1 ? `Class ${klass + 1} of ${classes} · ` : '';
   element('fact-scale').textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}`;
   element('fact-iteration').textContent = `Iteration ${totalIterations}`;
-  element('fact-rate').textContent = iterationsPerSecond && playing ? rate(iterationsPerSecond) : '';
+  engine.speed = playing ? iterationsPerSecond : null;
   element('fact-left').textContent =
     secondsLeft !== null && playing ? `about ${duration(secondsLeft)} left` : '';
   const bar = element('progress');
@@ -286,6 +297,7 @@ function begin(play) {
         'expansion-y': Number(slideY.value),
         ...(knowsBoundary && { boundary: radio('boundary') ?? 'open' }),
         seed,
+        ...replaced,
       },
     },
     play,
@@ -323,7 +335,8 @@ linked.addEventListener('change', () => {
 });
 settings.addEventListener('change', (event) => {
   const { name, type } = /** @type {HTMLInputElement} */ (event.target);
-  if (type !== 'radio') return;
+  // Another engine goes on with the run at hand.
+  if (type !== 'radio' || name === 'engine') return;
   if (name === 'boundary') {
     knowsBoundary = true;
     showTilesChoice();
@@ -347,10 +360,8 @@ settings.addEventListener('submit', (event) => {
 });
 
 /** @param {import('./messages.js').DescriptionResponse} description */
-function showDescription({ engine, presets, ranges, version }) {
-  const threads = engine.threads === 1 ? '1 thread' : `${engine.threads} threads`;
-  element('engine').textContent = `${engine.name} · ${engine.simd ? 'SIMD, ' : ''}${threads}`;
-  element('engine').title = `Pointweave ${version} computes on the processor of this machine`;
+function showDescription({ engine: processor, presets, ranges }) {
+  engine.describe(processor);
   if (element('presets').children.length === 0) {
     for (const [index, { name, title }] of presets.entries()) {
       const label = document.createElement('label');
@@ -599,7 +610,10 @@ Object.assign(window, {
     get savedIterations() {
       return run.savedIterations;
     },
-    crash: (/** @type {'trap' | 'silence'} */ how) => link.crash(how),
+    get engine() {
+      return engine.view;
+    },
+    crash: (/** @type {'trap' | 'silence' | 'device'} */ how) => link.crash(how),
   },
 });
 

@@ -28,7 +28,7 @@
 
 // What the worker answers.
 /** @typedef {{ type: 'description', version: string, engine: EngineView, presets: PresetView[], ranges: RangeView[] }} DescriptionResponse */
-/** @typedef {{ type: 'engine', engine: EngineView, note: string | null }} EngineResponse */
+/** @typedef {{ type: 'engine', engine: EngineView, note: string | null, adapter: AdapterView | null }} EngineResponse the worker adds `adapter` */
 /** @typedef {{ type: 'gallery', entries: GalleryEntryView[] }} GalleryResponse */
 /** @typedef {{ type: 'opened', exemplar: PatternView }} OpenedResponse */
 /** @typedef {{ type: 'started', exemplar: PatternView, output: PatternView, parameters: Parameters, progress: Progress }} StartedResponse */

@@ -31,6 +31,8 @@ import { Refused, WorkerDied } from './worker-link.js';
 
 /** How long the worker works before it answers: short enough to look alive, long enough to waste little. */
 const BUDGET_MS = 40;
+/** The same while a device is being checked in between, which takes a hundred short turns. */
+const SHARING_BUDGET_MS = 8;
 const SAVE_EVERY_MS = 3000;
 
 export class Run {
@@ -38,6 +40,8 @@ export class Run {
   #status = 'empty';
   /** Counts runs, so that answers to an older one can be told apart. */
   #epoch = 0;
+  /** Whether the worker has something else to do beside the run. */
+  shares = false;
   /** The one loop that may ask for more; another object or null ends it. */
   #loop = /** @type {object | null} */ (null);
   #stepping = false;
@@ -159,7 +163,8 @@ export class Run {
     const epoch = this.#epoch;
     try {
       while (this.#loop === loop) {
-        const batch = await this.#link.ask({ type: 'run', budgetMs: BUDGET_MS, maxIterations: 1_000_000 });
+        const budgetMs = this.shares ? SHARING_BUDGET_MS : BUDGET_MS;
+        const batch = await this.#link.ask({ type: 'run', budgetMs, maxIterations: 1_000_000 });
         if (epoch !== this.#epoch) return;
         // Also after a pause: these iterations were done.
         this.#take(batch);

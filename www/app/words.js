@@ -17,7 +17,7 @@ export function duration(seconds) {
 
 /** @param {number} perSecond */
 export function rate(perSecond) {
-  if (perSecond >= 10) return `${Math.round(perSecond)} iterations/s`;
-  if (perSecond >= 1) return `${perSecond.toFixed(1)} iterations/s`;
-  return `${(1 / perSecond).toFixed(1)} s/iteration`;
+  if (perSecond >= 10) return `${Math.round(perSecond)} it/s`;
+  if (perSecond >= 1) return `${perSecond.toFixed(1)} it/s`;
+  return `${(1 / perSecond).toFixed(1)} s/it`;
 }

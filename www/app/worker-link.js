@@ -22,7 +22,7 @@ export class WorkerLink {
   /** @type {Worker | null} */
   #worker = null;
   #nextId = 0;
-  /** @type {Map<number, { resolve: (response: any) => void, reject: (error: Error) => void }>} */
+  /** @type {Map<number, { type: string, resolve: (response: any) => void, reject: (error: Error) => void }>} */
   #waiting = new Map();
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #watchdog;
@@ -68,10 +68,15 @@ export class WorkerLink {
     return worker;
   }
 
-  /** Restarts the clock, or stops it when nothing is being waited for. */
+  /** Requests that must be answered soon. Opening a device takes as long as it takes; the worker knows when to stop. */
+  get #urgent() {
+    return [...this.#waiting.values()].filter(({ type }) => type !== 'engine').length;
+  }
+
+  /** Restarts the clock, or stops it when nothing urgent is being waited for. */
   #watch() {
     clearTimeout(this.#watchdog);
-    if (this.#waiting.size === 0) return;
+    if (this.#urgent === 0) return;
     const patience = this.#patienceMs;
     this.#watchdog = setTimeout(() => this.#bury(`no answer for ${Math.round(patience / 1000)} s`), patience);
   }
@@ -98,16 +103,16 @@ export class WorkerLink {
     const worker = this.#open();
     const id = this.#nextId++;
     return new Promise((resolve, reject) => {
-      this.#waiting.set(id, { resolve, reject });
-      if (this.#waiting.size === 1) this.#watch();
+      this.#waiting.set(id, { type: request.type, resolve, reject });
+      if (this.#urgent === 1) this.#watch();
       worker.postMessage({ id, request });
     });
   }
 
   /**
-   * Makes the worker die, for tests; it obeys only when its address says so.
+   * Makes the worker die, or its device, for tests; it obeys only when its address says so.
    *
-   * @param {'trap' | 'silence'} how
+   * @param {'trap' | 'silence' | 'device'} how
    */
   crash(how) {
     return this.ask(/** @type {any} */ ({ type: 'crash', how })).catch(() => {});

@@ -217,8 +217,11 @@ impl Gpu {
             power_preference: wgpu::PowerPreference::HighPerformance,
             ..Default::default()
         };
-        let adapter =
-            instance().request_adapter(&request).await.map_err(|error| GpuError::NoAdapter(error.to_string()))?;
+        let adapter = instance().request_adapter(&request).await.map_err(|error| {
+            // In a browser wgpu lists what else it was not built for.
+            let browser = cfg!(target_arch = "wasm32");
+            GpuError::NoAdapter(if browser { "this browser offers none".to_owned() } else { error.to_string() })
+        })?;
         let mut info = describe(&adapter);
         let mut limits = wgpu::Limits::defaults();
         if !options.default_limits {
