@@ -38,10 +38,11 @@ export async function launch({ webgpu = false } = {}) {
  *
  * @param {Browser} browser
  * @param {{ query?: string, viewport?: { width: number, height: number }, expectErrors?: boolean,
- *   media?: Parameters<Page['emulateMedia']>[0] }} options
+ *   media?: Parameters<Page['emulateMedia']>[0], prelude?: string }} options `prelude` is put before the worker's script
  * @param {(page: Page) => Promise<void>} body
  */
-export async function withPage(browser, { query = '', viewport = { width: 1440, height: 900 }, expectErrors, media }, body) {
+export async function withPage(browser, options, body) {
+  const { query = '', viewport = { width: 1440, height: 900 }, expectErrors, media, prelude } = options;
   const page = await browser.context.newPage();
   /** @type {string[]} */
   const complaints = [];
@@ -61,6 +62,12 @@ export async function withPage(browser, { query = '', viewport = { width: 1440, 
   });
   try {
     if (media) await page.emulateMedia(media);
+    if (prelude) {
+      await page.route('**/worker.js*', async (route) => {
+        const response = await route.fetch();
+        await route.fulfill({ response, body: `${prelude}\n${await response.text()}` });
+      });
+    }
     await page.setViewportSize(viewport);
     await page.goto(browser.url + query);
     await body(page);
@@ -74,7 +81,7 @@ export async function withPage(browser, { query = '', viewport = { width: 1440, 
  * One member of the page's debug object.
  *
  * @param {Page} page
- * @param {'status' | 'progress' | 'parameters' | 'positions' | 'losses' | 'savedIterations'} member
+ * @param {'status' | 'progress' | 'parameters' | 'positions' | 'losses' | 'savedIterations' | 'engine'} member
  * @returns {Promise<any>}
  */
 export const peek = (page, member) =>
@@ -160,3 +167,27 @@ export async function downloadText(page, button) {
  * @param {string} text
  */
 export const csvRows = (text) => text.split('\n').filter((line) => /^-?[\d.]/.test(line));
+
+/**
+ * Drops a file on the page.
+ *
+ * @param {Page} page
+ * @param {string} name
+ * @param {string} text
+ */
+export async function drop(page, name, text) {
+  const transfer = await page.evaluateHandle(
+    ([fileName, content]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([content], fileName));
+      return data;
+    },
+    [name, text],
+  );
+  await page.dispatchEvent('body', 'dragover', { dataTransfer: transfer });
+  assert.ok(await page.getByText('Drop to use these points').isVisible(), 'the page says that it takes the file');
+  await page.dispatchEvent('body', 'drop', { dataTransfer: transfer });
+}
+
+/** How far the points are from where they were, at most. @param {number[]} a @param {number[]} b */
+export const farthest = (a, b) => a.reduce((most, value, index) => Math.max(most, Math.abs(value - b[index])), 0);

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
-import { csvRows, downloadText, iterations, launch, parameter, pause, peek, settled, status, withPage } from './browser.mjs';
+import { csvRows, downloadText, drop, farthest, iterations, launch, parameter, pause, peek, settled, status, withPage } from './browser.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -18,9 +18,6 @@ after(() => browser?.close());
  * @param {(page: Page) => Promise<void>} body
  */
 const pageTest = (name, options, body) => test(name, { timeout: 240_000 }, () => withPage(browser, options, body));
-
-/** How far the points are from where they were, at most. @param {number[]} a @param {number[]} b */
-const farthest = (a, b) => a.reduce((most, value, index) => Math.max(most, Math.abs(value - b[index])), 0);
 
 /** @param {Page} page @param {string} seed */
 async function seedAndPause(page, seed) {
@@ -40,27 +37,6 @@ async function steps(page, count) {
     await iterations(page, done);
     await settled(page);
   }
-}
-
-/**
- * Drops a file on the page.
- *
- * @param {Page} page
- * @param {string} name
- * @param {string} text
- */
-async function drop(page, name, text) {
-  const transfer = await page.evaluateHandle(
-    ([fileName, content]) => {
-      const data = new DataTransfer();
-      data.items.add(new File([content], fileName));
-      return data;
-    },
-    [name, text],
-  );
-  await page.dispatchEvent('body', 'dragover', { dataTransfer: transfer });
-  assert.ok(await page.getByText('Drop to use these points').isVisible(), 'the page says that it takes the file');
-  await page.dispatchEvent('body', 'drop', { dataTransfer: transfer });
 }
 
 /** @param {Page} page @param {'Open' | 'Periodic'} name */
