@@ -726,6 +726,35 @@ mod tests {
         assert_ne!(ask(&mut parted, csv.clone()), ask(&mut whole, csv));
     }
 
+    /// Needs a Vulkan adapter, as the tests of the engine do.
+    #[test]
+    fn a_device_is_taken_over_and_outlives_a_run_that_is_too_large_for_it() {
+        let answer = |session: &mut Session, request: Request| {
+            serde_json::to_value(pollster::block_on(session.answer(request, &|| 0.0))).unwrap()
+        };
+        let start = || -> Request { serde_json::from_value(json!({ "start": tiny(1) })).unwrap() };
+        let step = || Request::Run { budget_ms: 1.0, max_iterations: 1 };
+        let (mut session, mut chooser) = (Session::new(), Session::new());
+        answer(&mut session, start());
+        let choice = Request::Engine { choice: EngineChoice::Gpu, adapter: None };
+        assert_eq!(answer(&mut chooser, choice)["engine"]["gpu"], json!(true));
+        session.take_engine(chooser);
+        assert_eq!(answer(&mut session, step())["progress"]["totalIterations"], json!(1));
+
+        // As if the run needed more than there is.
+        let gpu = session.gpu.clone();
+        session.run.as_mut().unwrap().synthesis.use_gpu(gpu, 1);
+        let batch = answer(&mut session, step());
+        assert_eq!(batch["engine"]["gpu"], json!(false), "{batch}");
+        let note = batch["note"].as_str().unwrap();
+        assert!(note.ends_with("The processor computes instead.") && note.contains("MB"), "{note}");
+        assert_eq!(batch["progress"]["totalIterations"], json!(2));
+
+        answer(&mut session, start());
+        let batch = answer(&mut session, step());
+        assert_eq!((&batch["engine"]["gpu"], &batch["note"]), (&json!(true), &Value::Null), "{batch}");
+    }
+
     #[test]
     fn refusals_say_why_and_leave_the_run_alone() {
         let mut session = Session::new();
