@@ -8,8 +8,15 @@
 //! Nothing here blocks: [`GpuEngine::advance`] hands out work and looks what is done. Who has nothing better to do
 //! waits with [`GpuEngine::wait`], or for [`Gpu::report`] where blocking is not possible.
 
-mod adam;
+#![cfg_attr(
+    target_arch = "wasm32",
+    expect(
+        clippy::arc_with_non_send_sync,
+        reason = "devices are shared among threads natively, and stay on theirs here"
+    )
+)]
 
+mod adam;
 mod convolution;
 mod correlation;
 mod device;
