@@ -279,7 +279,8 @@ fn table(outcomes: &[Outcome]) -> String {
     for outcome in outcomes {
         by_entry.entry(&outcome.entry).or_default().push(outcome);
     }
-    let columns: [(&str, fn(&Outcome) -> f64); 14] = [
+    type Column = (&'static str, fn(&Outcome) -> f64);
+    let columns: [Column; 14] = [
         ("quality", |o| o.quality.score),
         ("pairs", |o| o.quality.pair_density),
         ("precision", |o| o.quality.precision),

@@ -375,6 +375,9 @@ impl Parameters {
                 learning_rate_unit: LearningRateUnit::Sigma,
                 iterations_coarse: 400,
                 iterations_fine: 200,
+                iterations_polish: 120,
+                spacing_floor: 1.0,
+                relocation: 0.1,
                 ..paper
             },
             Preset::Fast => Self {
@@ -391,6 +394,9 @@ impl Parameters {
                 learning_rate_unit: LearningRateUnit::Sigma,
                 iterations_coarse: 250,
                 iterations_fine: 100,
+                iterations_polish: 60,
+                spacing_floor: 1.0,
+                relocation: 0.1,
                 ..paper
             },
         }

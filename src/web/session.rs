@@ -622,7 +622,7 @@ mod tests {
             "preset": "fast",
             "overrides": {
                 "expansion-x": 1.0, "expansion-y": 1.5, "channels": 4.0, "grid-min": 16, "grid-max": 16,
-                "iterations-coarse": 3, "iterations-fine": 2, "convergence-window": 5000, "seed": seed,
+                "iterations-coarse": 3, "iterations-fine": 2, "iterations-polish": 1, "convergence-window": 5000, "seed": seed,
                 "boundary": "open",
             },
         })
@@ -681,7 +681,7 @@ mod tests {
 
         let rest = run(&mut session, u32::MAX);
         assert_eq!(rest["finished"], json!(true));
-        assert_eq!(iterated(&rest), 3 + 3 * 2 - 1);
+        assert_eq!(iterated(&rest), 3 + 3 * 2 + 1 - 1);
         assert_eq!(rest["secondsLeft"], json!(0.0));
         let over = run(&mut session, u32::MAX);
         assert_eq!((iterated(&over), &over["finished"]), (0, &json!(true)));
