@@ -260,8 +260,8 @@ fn engine(gpu: &Arc<Gpu>, setup: ScaleSetup, points: Vec<DVec2>) -> Result<GpuEn
 
 /// Advances until something comes back.
 fn outcome(engine: &mut GpuEngine) -> Advance {
-    for _ in 0..10_000 {
-        match engine.advance(u32::MAX) {
+    for _ in 0..100_000 {
+        match engine.advance(1) {
             Advance::Working => {}
             Advance::Waiting => engine.wait(),
             other => return other,
@@ -333,6 +333,21 @@ fn default_limits_are_enough_and_what_exceeds_them_is_refused_in_words() {
     assert!(reason.contains("1 MB may be used"), "{reason}");
     run.run(3).unwrap();
     assert_eq!((run.gpu().is_none(), run.progress().total_iterations), (true, 3));
+}
+
+/// The largest grid that parameters allow, on the weakest device, for one iteration.
+#[test]
+fn the_largest_grid_runs_within_default_limits() {
+    let gpu = open_with(OpenOptions { default_limits: true, ..OpenOptions::default() });
+    let parameters = Parameters { channels: 8, ..Parameters::preset(Preset::Paper) };
+    let scale = Scale { sigma: 0.02, resolution: 256.0, learning_rate: 0.01, iterations: 10 };
+    let exemplar = white_noise(&mut Rng::new(7, Purpose::Gallery), DVec2::ONE, 50);
+    let (one, open) = (DVec2::ONE, Boundary::Open);
+    let setup = ScaleSetup::new(&parameters, &scale, (0, 0), exemplar, one, open, DVec2::splat(2.0));
+    let points = white_noise(&mut Rng::new(3, Purpose::Gallery), DVec2::splat(2.0), 200);
+    let mut engine = engine(&gpu, setup, points).unwrap();
+    assert!(matches!(outcome(&mut engine), Advance::Iterated(_)));
+    assert_eq!(gpu.fault(), None);
 }
 
 /// Images larger than one buffer of spectra go through in passes; the arithmetic is the same.

@@ -146,18 +146,18 @@ impl Pace {
     /// A few milliseconds even for a device emulated in a browser.
     const FIRST: f64 = 4e7;
 
-    /// Learns from a submission; fast where it went slower than thought, so that no watchdog bites.
+    /// Shorter than this is latency.
+    const LATENCY: f64 = 2e-4;
+
+    /// Learns from a submission: at once where it went slower than thought, so that no watchdog bites, and by and by
+    /// where it went faster.
     fn learn(&mut self, cost: f64, seconds: f64) {
-        // Shorter than that is latency.
-        let seen = cost / seconds.max(2e-4);
+        let seen = cost / seconds.max(Self::LATENCY);
         self.rate = if seen < self.rate {
             0.5 * (self.rate + seen)
         } else {
             (0.7 * self.rate + 0.3 * seen).min(4.0 * self.rate)
         };
-        if seen > 4.0 * self.rate {
-            self.rate *= 2.0;
-        }
     }
 }
 
@@ -390,5 +390,41 @@ impl InFlight {
         let began = before.map_or(self.submitted, |before| before.max(self.submitted));
         gpu.learn(self.cost, done.duration_since(began).as_secs_f64());
         Some(done)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn submissions_settle_at_the_time_they_may_take_on_fast_and_on_slow_devices() {
+        for speed in [5e6, 1e9, 2e13] {
+            let mut pace = Pace { rate: Pace::FIRST };
+            let mut longest = 0.0_f64;
+            for submission in 0..40 {
+                let work = pace.rate * 0.05;
+                let seconds = work / speed + 1e-5;
+                if submission > 0 {
+                    longest = longest.max(seconds);
+                }
+                pace.learn(work, seconds);
+            }
+            let last = pace.rate * 0.05 / speed;
+            assert!((0.04..0.06).contains(&last), "{speed}: {last} s");
+            // Nothing is known before the first: a device that slow is told from it, and is not asked for as much again.
+            assert!(longest < if speed < 1e7 { 0.3 } else { 0.1 }, "{speed}: {longest} s");
+        }
+    }
+
+    #[test]
+    fn a_device_that_becomes_slower_is_asked_for_less_at_once() {
+        let mut pace = Pace { rate: 1e12 };
+        pace.learn(5e10, 1.0);
+        assert!(pace.rate < 0.6e12, "{}", pace.rate);
+        // Something that took no time at all says nothing about speed.
+        let mut pace = Pace { rate: 1e9 };
+        pace.learn(100.0, 0.0);
+        assert!(pace.rate < 1e9 && pace.rate.is_finite());
     }
 }

@@ -1,0 +1,57 @@
+//! What the Fast preset promises, on two exemplars: structure found again, and nothing stacked, torn or crowded.
+//! `cargo xtask quality` says the same of the whole gallery.
+#![cfg(not(target_arch = "wasm32"))]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
+
+use pointweave::analysis::Comparison;
+use pointweave::gallery;
+use pointweave::method::{Parameters, Preset};
+use pointweave::synthesis::Synthesis;
+
+const MEMORY: u64 = 2_000_000_000;
+
+/// The Fast preset on a smaller output with half the channels, so that a debug build is through in seconds.
+fn judged(name: &str, change: impl FnOnce(&mut Parameters)) -> Comparison {
+    let exemplar = gallery::find(name).unwrap().exemplar();
+    let mut parameters = Parameters {
+        expansion_x: 1.5,
+        expansion_y: 1.5,
+        channels: 16,
+        grid_max: 72,
+        ..Parameters::suited_to(Preset::Fast, &exemplar)
+    };
+    change(&mut parameters);
+    let mut run = Synthesis::new(exemplar.clone(), parameters, MEMORY).unwrap();
+    run.run(u64::MAX).unwrap();
+    let comparison = Comparison::of(&exemplar, &run.output().unwrap(), 1).unwrap();
+    println!("{name}: {:?} {:?}", comparison.quality, comparison.defects);
+    comparison
+}
+
+#[test]
+fn fast_finds_structure_again_and_leaves_no_defects() {
+    let rings = judged("rings", |_| {});
+    assert!(rings.quality.score > 0.55, "{:?}", rings.quality);
+    assert_eq!(rings.defects.stacked, 0.0);
+    assert!(rings.defects.holes < 1.15, "{:?}", rings.defects);
+    // Negative control: hardly any iterations leave chance.
+    let hasty = judged("rings", |parameters| {
+        (parameters.iterations_coarse, parameters.iterations_fine, parameters.iterations_polish) = (3, 1, 0);
+    });
+    assert!(hasty.quality.score < 0.4, "{:?}", hasty.quality);
+}
+
+#[test]
+fn fast_keeps_the_spacing_of_blue_noise() {
+    let blue = judged("blue-noise", |_| {});
+    let (wanted, kept) = (blue.exemplar.relative_radius, blue.output.relative_radius);
+    // The paper reports 0.706 for an exemplar of 0.734.
+    assert!((wanted - kept).abs() < 0.02, "ρ {wanted} became {kept}");
+    assert_eq!(blue.defects.stacked, 0.0);
+    // Negative control: the losses alone let points come closer.
+    let alone = judged("blue-noise", |parameters| {
+        (parameters.spacing_floor, parameters.relocation) = (0.0, 0.0);
+        (parameters.iterations_coarse, parameters.iterations_fine, parameters.iterations_polish) = (60, 20, 0);
+    });
+    assert!(alone.output.relative_radius < wanted - 0.05, "ρ {}", alone.output.relative_radius);
+}
