@@ -32,12 +32,20 @@ pub(crate) fn open() -> Result<Arc<Gpu>, GpuError> {
     })
 }
 
-/// The device to use, if any, and what to say about it.
+/// Whether there may be a GPU at all. Without one, the Vulkan loader and its software drivers only cost time, and they
+/// complain where there is no display.
+fn may_have_gpu() -> bool {
+    let nodes = ["/dev/dri", "/dev/nvidiactl", "/dev/dxg", "/dev/kgsl-3d0", "/dev/mali0"];
+    !cfg!(target_os = "linux") || nodes.iter().any(|node| std::path::Path::new(node).exists())
+}
+
+/// The device to use, if any.
 pub(crate) fn choose(engine: EngineArgument) -> Result<Option<Arc<Gpu>>, Failure> {
     match engine {
         EngineArgument::Cpu => Ok(None),
         EngineArgument::Gpu => open().map(Some).map_err(|error| Failure::Run(error.to_string())),
         // A processor that plays a GPU is slower than the CPU engine: it is only used when asked for.
+        EngineArgument::Auto if !may_have_gpu() => Ok(None),
         EngineArgument::Auto => Ok(pollster::block_on(gpu::list())
             .iter()
             .any(|device| !device.software)
