@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 
 use crate::PointPattern;
+use crate::analysis::{Analysis, AnalysisError, Depth, Judge, verdict};
 use crate::engine::gpu::{self, Gpu, GpuError, OpenOptions};
 use crate::formats::{self, FormatError, ReadOptions, SvgStyle};
 use crate::gallery;
@@ -13,8 +14,8 @@ use crate::method::{ParameterError, Parameters, Preset};
 use crate::synthesis::{Event, Progress, Synthesis, SynthesisError, SynthesisState};
 
 use super::protocol::{
-    AdapterView, EngineChoice, EngineView, ExportFormat, GalleryEntryView, PatternView, Place, Points, PresetView,
-    RangeView, Request, Response, Source,
+    AdapterView, CurvesView, DefectsView, EngineChoice, EngineView, ExportFormat, GalleryEntryView, PatternView, Place,
+    Points, PresetView, QualityView, RangeView, Request, Response, Source,
 };
 
 /// Memory a run may take, in bytes. A 32-bit address space ends at 4 GB, a phone's patience well before.
@@ -42,6 +43,8 @@ enum Refusal {
     Overrides(serde_json::Error),
     #[error(transparent)]
     Synthesis(#[from] SynthesisError),
+    #[error("there are no statistics: {0}")]
+    Analysis(#[from] AnalysisError),
     #[error("the saved state can't be read: {0}")]
     State(serde_json::Error),
     #[error("the state can't be saved: {0}")]
@@ -76,6 +79,8 @@ struct Run {
     /// [`Progress::done`] at the last complete iteration.
     done: f64,
     finished: bool,
+    /// Made when statistics are first asked for.
+    judge: Option<Judge>,
 }
 
 fn smooth(old: Option<f64>, new: f64) -> Option<f64> {
@@ -94,6 +99,7 @@ impl Run {
             ms_per_run: None,
             done,
             finished: false,
+            judge: None,
         }
     }
 
@@ -214,6 +220,7 @@ impl Session {
             Request::Open { exemplar } => read(exemplar).map(|exemplar| Response::Opened { exemplar: view(&exemplar) }),
             Request::Start { exemplar, preset, overrides } => self.start(exemplar, &preset, overrides),
             Request::Run { budget_ms, max_iterations } => self.advance(budget_ms, max_iterations, now_ms),
+            Request::Analyze {} => self.analyze(now_ms),
             Request::Export { format } => self.export(format),
             Request::Save {} => self.save(),
             Request::Resume { state } => self.resume(&state),
@@ -308,6 +315,40 @@ impl Session {
             engine,
             note,
             finished: run.finished,
+        })
+    }
+
+    fn analyze(&mut self, now_ms: &dyn Fn() -> f64) -> Result<Response, Refusal> {
+        let start = now_ms();
+        let run = self.run.as_mut().ok_or(Refusal::NoRun)?;
+        let output = run.synthesis.output()?;
+        let judge = match run.judge.take() {
+            Some(judge) => judge,
+            None => Judge::new(run.synthesis.exemplar(), &output, run.synthesis.parameters().seed)?,
+        };
+        let comparison = run.judge.insert(judge).compare(&output, Depth::Live)?;
+        let unit = comparison.scales.spacing;
+        let (quality, defects) = (comparison.quality, comparison.defects);
+        Ok(Response::Analyzed {
+            exemplar: curves(&comparison.exemplar, unit),
+            output: curves(&comparison.output, unit),
+            distance: narrow(&comparison.exemplar.pair_correlation.radius, 1.0 / unit),
+            interval: comparison.scales.histogram_width / unit,
+            quality: QualityView {
+                score: quality.score,
+                arrangement: quality.pair_density,
+                detail: quality.precision,
+                variety: quality.coverage,
+                independent: quality.independent,
+            },
+            defects: DefectsView {
+                stacked: defects.stacked - defects.exemplar_stacked,
+                holes: defects.holes,
+                border: defects.border,
+            },
+            verdict: verdict(&comparison),
+            iterations: run.synthesis.progress().total_iterations,
+            work_ms: now_ms() - start,
         })
     }
 
@@ -586,6 +627,22 @@ fn view_in_units(pattern: &PointPattern, unit: f64) -> PatternView {
     }
 }
 
+/// What the page draws of an analysis, in mean spacings of the exemplar, `unit`.
+fn curves(analysis: &Analysis, unit: f64) -> CurvesView {
+    CurvesView {
+        pair_correlation: narrow(&analysis.pair_correlation.value, 1.0),
+        nearest: narrow(&analysis.nearest_histogram.shares, 1.0),
+        spacing: analysis.spacing.unwrap_or(0.0) / unit,
+        frequency: narrow(&analysis.spectrum.frequency, unit),
+        power: narrow(&analysis.spectrum.power, 1.0),
+        relative_radius: analysis.relative_radius,
+    }
+}
+
+fn narrow(values: &[f64], factor: f64) -> Vec<f32> {
+    values.iter().map(|value| (value * factor) as f32).collect()
+}
+
 fn points(pattern: &PointPattern, unit: f64) -> Points {
     let min = pattern.domain().min();
     let positions = pattern.positions().iter().flat_map(|&point| ((point - min) / unit).as_vec2().to_array()).collect();
@@ -698,6 +755,78 @@ mod tests {
     }
 
     #[test]
+    fn statistics_are_those_of_the_exported_pattern() {
+        let mut session = Session::new();
+        let mut request = tiny(3);
+        // A window's exemplar of two mean spacings' unit: lengths must come back in spacings, whatever the unit.
+        request["overrides"]["boundary"] = json!("periodic");
+        ask(&mut session, request);
+        let analyze = || json!({ "type": "analyze" });
+        let start = ask(&mut session, analyze());
+        run(&mut session, 4);
+        let answer = ask(&mut session, analyze());
+        assert_eq!((&answer["type"], &answer["iterations"]), (&json!("analyzed"), &json!(4)), "{answer}");
+        assert_ne!(answer["output"], start["output"]);
+        assert_eq!(answer["exemplar"], start["exemplar"]);
+
+        let exported = ask(&mut session, json!({ "type": "export", "format": "json" }));
+        let text = exported["text"].as_str().unwrap();
+        let output = formats::read(text.as_bytes(), None, &ReadOptions::default()).unwrap();
+        let exemplar = gallery::find("rings").unwrap().exemplar();
+        let expected = Judge::new(&exemplar, &output, 3).unwrap().compare(&output, Depth::Live).unwrap();
+        let list =
+            |value: &Value| -> Vec<f64> { value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect() };
+        let same = |found: &Value, wanted: &[f64], factor: f64| {
+            let found = list(found);
+            assert_eq!(found.len(), wanted.len());
+            for (a, b) in found.iter().zip(wanted) {
+                assert_eq!(*a, f64::from((b * factor) as f32), "{found:?} {wanted:?}");
+            }
+        };
+        let d = expected.scales.spacing;
+        same(&answer["distance"], &expected.output.pair_correlation.radius, 1.0 / d);
+        for (side, analysis) in [("exemplar", &expected.exemplar), ("output", &expected.output)] {
+            same(&answer[side]["pairCorrelation"], &analysis.pair_correlation.value, 1.0);
+            same(&answer[side]["nearest"], &analysis.nearest_histogram.shares, 1.0);
+            same(&answer[side]["frequency"], &analysis.spectrum.frequency, d);
+            same(&answer[side]["power"], &analysis.spectrum.power, 1.0);
+            assert_eq!(answer[side]["relativeRadius"], json!(analysis.relative_radius));
+            assert_eq!(answer[side]["spacing"], json!(analysis.spacing.unwrap() / d));
+        }
+        let quality = expected.quality;
+        assert_eq!(answer["quality"]["score"], json!(quality.score));
+        assert_eq!(answer["quality"]["arrangement"], json!(quality.pair_density));
+        assert_eq!(answer["quality"]["detail"], json!(quality.precision));
+        assert_eq!(answer["quality"]["variety"], json!(quality.coverage));
+        assert_eq!(answer["quality"]["independent"], json!(quality.independent));
+        assert_eq!(answer["defects"]["holes"], json!(expected.defects.holes));
+        assert_eq!(answer["defects"]["border"], Value::Null, "a tile has no border");
+        assert_eq!(answer["verdict"], json!(verdict(&expected)));
+        assert!(answer["workMs"].as_f64().unwrap() > 0.0);
+    }
+
+    #[test]
+    fn another_run_has_another_judge() {
+        let mut session = Session::new();
+        let analyze = || json!({ "type": "analyze" });
+        ask(&mut session, tiny(3));
+        let rings = ask(&mut session, analyze());
+        let mut request = tiny(3);
+        request["exemplar"]["name"] = json!("chevrons");
+        ask(&mut session, request);
+        let chevrons = ask(&mut session, analyze());
+        assert_ne!(rings["exemplar"]["pairCorrelation"], chevrons["exemplar"]["pairCorrelation"]);
+        let text = "# domain 0 0 1 1\n0.5,0.5\n0.5,0.5\n";
+        let mut request = tiny(3);
+        request["exemplar"] = json!({ "source": "file", "name": "a.csv", "bytes": text.as_bytes() });
+        if ask(&mut session, request)["type"] == "started" {
+            let answer = ask(&mut session, analyze());
+            assert_eq!(answer["type"], "error");
+            assert!(answer["message"].as_str().unwrap().contains("no statistics"), "{answer}");
+        }
+    }
+
+    #[test]
     fn a_budget_ends_a_batch_before_its_iterations() {
         let mut session = Session::new();
         ask(&mut session, tiny(1));
@@ -765,6 +894,7 @@ mod tests {
         for request in [
             json!({ "type": "run", "budgetMs": 1, "maxIterations": 1 }),
             json!({ "type": "save" }),
+            json!({ "type": "analyze" }),
             json!({ "type": "export", "format": "csv" }),
         ] {
             refused(&ask(&mut session, request), "no run");
