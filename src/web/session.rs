@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 
 use crate::PointPattern;
-use crate::analysis::{Analysis, AnalysisError, Depth, Judge, verdict};
+use crate::analysis::{AnalysisError, Curves, Judge};
 use crate::engine::gpu::{self, Gpu, GpuError, OpenOptions};
 use crate::formats::{self, FormatError, ReadOptions, SvgStyle};
 use crate::gallery;
@@ -326,14 +326,14 @@ impl Session {
             Some(judge) => judge,
             None => Judge::new(run.synthesis.exemplar(), &output, run.synthesis.parameters().seed)?,
         };
-        let comparison = run.judge.insert(judge).compare(&output, Depth::Live)?;
-        let unit = comparison.scales.spacing;
-        let (quality, defects) = (comparison.quality, comparison.defects);
+        let live = run.judge.insert(judge).follow(&output)?;
+        let unit = live.scales.spacing;
+        let (quality, defects) = (live.quality, live.defects);
         Ok(Response::Analyzed {
-            exemplar: curves(&comparison.exemplar, unit),
-            output: curves(&comparison.output, unit),
-            distance: narrow(&comparison.exemplar.pair_correlation.radius, 1.0 / unit),
-            interval: comparison.scales.histogram_width / unit,
+            exemplar: curves(&live.exemplar, unit),
+            output: curves(&live.output, unit),
+            distance: narrow(&live.exemplar.pair_correlation.radius, 1.0 / unit),
+            interval: live.scales.histogram_width / unit,
             quality: QualityView {
                 score: quality.score,
                 arrangement: quality.pair_density,
@@ -346,7 +346,7 @@ impl Session {
                 holes: defects.holes,
                 border: defects.border,
             },
-            verdict: verdict(&comparison),
+            verdict: live.verdict,
             iterations: run.synthesis.progress().total_iterations,
             work_ms: now_ms() - start,
         })
@@ -627,15 +627,15 @@ fn view_in_units(pattern: &PointPattern, unit: f64) -> PatternView {
     }
 }
 
-/// What the page draws of an analysis, in mean spacings of the exemplar, `unit`.
-fn curves(analysis: &Analysis, unit: f64) -> CurvesView {
+/// What the page draws of one side, in mean spacings of the exemplar, `unit`.
+fn curves(curves: &Curves, unit: f64) -> CurvesView {
     CurvesView {
-        pair_correlation: narrow(&analysis.pair_correlation.value, 1.0),
-        nearest: narrow(&analysis.nearest_histogram.shares, 1.0),
-        spacing: analysis.spacing.unwrap_or(0.0) / unit,
-        frequency: narrow(&analysis.spectrum.frequency, unit),
-        power: narrow(&analysis.spectrum.power, 1.0),
-        relative_radius: analysis.relative_radius,
+        pair_correlation: narrow(&curves.pair_correlation.value, 1.0),
+        nearest: narrow(&curves.nearest_histogram.shares, 1.0),
+        spacing: curves.nearest.map_or(0.0, |nearest| nearest.mean) / unit,
+        frequency: narrow(&curves.spectrum.frequency, unit),
+        power: narrow(&curves.spectrum.power, 1.0),
+        relative_radius: curves.relative_radius,
     }
 }
 
@@ -658,6 +658,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::analysis::{Comparison, verdict};
 
     /// Answers through JSON both ways, as the page would see it, with a clock that ticks 1 ms a look.
     fn ask(session: &mut Session, request: Value) -> Value {
@@ -758,7 +759,6 @@ mod tests {
     fn statistics_are_those_of_the_exported_pattern() {
         let mut session = Session::new();
         let mut request = tiny(3);
-        // A window's exemplar of two mean spacings' unit: lengths must come back in spacings, whatever the unit.
         request["overrides"]["boundary"] = json!("periodic");
         ask(&mut session, request);
         let analyze = || json!({ "type": "analyze" });
@@ -773,7 +773,7 @@ mod tests {
         let text = exported["text"].as_str().unwrap();
         let output = formats::read(text.as_bytes(), None, &ReadOptions::default()).unwrap();
         let exemplar = gallery::find("rings").unwrap().exemplar();
-        let expected = Judge::new(&exemplar, &output, 3).unwrap().compare(&output, Depth::Live).unwrap();
+        let expected = Comparison::of(&exemplar, &output, 3).unwrap();
         let list =
             |value: &Value| -> Vec<f64> { value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect() };
         let same = |found: &Value, wanted: &[f64], factor: f64| {
@@ -791,7 +791,7 @@ mod tests {
             same(&answer[side]["frequency"], &analysis.spectrum.frequency, d);
             same(&answer[side]["power"], &analysis.spectrum.power, 1.0);
             assert_eq!(answer[side]["relativeRadius"], json!(analysis.relative_radius));
-            assert_eq!(answer[side]["spacing"], json!(analysis.spacing.unwrap() / d));
+            assert_eq!(answer[side]["spacing"], json!(analysis.nearest[0].mean / d));
         }
         let quality = expected.quality;
         assert_eq!(answer["quality"]["score"], json!(quality.score));
