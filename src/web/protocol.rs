@@ -232,7 +232,8 @@ pub enum Response {
         verdict: String,
         /// How many iterations the output has seen.
         iterations: u64,
-        /// Milliseconds of work this answer took: the page asks no oftener than it can afford.
+        /// Milliseconds of work the answer took, without what is prepared once for a run: the page asks no oftener than
+        /// it can afford.
         work_ms: f64,
     },
     /// The output as a file.

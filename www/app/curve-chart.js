@@ -74,7 +74,8 @@ export class CurveChart {
     this.#svg.setAttribute('viewBox', `0 0 ${width} ${height}`);
     const [left, right, top, bottom] = [AXIS, width - RIGHT, TOP, height - FOOT];
     const end = Math.max(exemplar.x[exemplar.x.length - 1], 1e-9);
-    const most = Math.max(1.05 * highest(exemplar.y), highest(output.y), least);
+    const room = Math.max(1.05 * highest(exemplar.y), highest(output.y), least);
+    const most = percent ? Math.min(room, 1) : room;
     const yStep = step(most, 3);
     // Whole steps, so that the axis keeps still while the curves move.
     const high = Math.ceil(most / yStep - 1e-6) * yStep;
@@ -114,10 +115,12 @@ export class CurveChart {
     if (chance !== undefined) {
       const at = Math.round(y(chance)) + 0.5;
       parts.push(svg('line', { class: 'chance', x1: left, x2: right, y1: at, y2: at }));
-      parts.push(svg('text', { class: 'tick', x: right, y: at - 4, 'text-anchor': 'end' }, 'chance'));
     }
     parts.push(svg('path', { class: 'edge', d: edge }));
     parts.push(svg('path', { class: 'result', d: path(output) }));
+    if (chance !== undefined) {
+      parts.push(svg('text', { class: 'tick halo', x: right, y: y(chance) - 5, 'text-anchor': 'end' }, 'chance'));
+    }
     this.#svg.replaceChildren(...parts);
   }
 }

@@ -71,7 +71,8 @@ export class Statistics {
   #reveal() {
     if (!this.#panel.open) return;
     const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
-    this.#panel.scrollIntoView({ block: 'nearest', behavior: calm ? 'auto' : 'smooth' });
+    // The numbers below the charts can wait; so the points stay in sight, too.
+    this.#panel.querySelector('.charts')?.scrollIntoView({ block: 'nearest', behavior: calm ? 'auto' : 'smooth' });
   }
 
   /** Another run has begun. */
