@@ -85,7 +85,7 @@ impl Deviation {
                 if error.is_finite() { error } else { f64::INFINITY }
             })
             .collect();
-        errors.sort_by(f64::total_cmp);
+        crate::sorting::ascending(&mut errors);
         // Two numbers, or two in a thousand, may be on the other side of the ReLU.
         let strays = (errors.len() / 500).max(2).min(errors.len() / 8);
         let worst = errors.len().checked_sub(1 + strays).and_then(|index| errors.get(index));
