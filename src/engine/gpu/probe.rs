@@ -74,6 +74,11 @@ pub struct Deviation {
 
 impl Deviation {
     fn new(what: &'static str, ours: &[f32], twin: impl IntoIterator<Item = f64>, tolerance: f64) -> Self {
+        Self::between(what, ours, twin.into_iter().collect(), tolerance)
+    }
+
+    #[inline(never)]
+    fn between(what: &'static str, ours: &[f32], twin: Vec<f64>, tolerance: f64) -> Self {
         let mut largest = f64::MIN_POSITIVE;
         let mut errors: Vec<f64> = ours
             .iter()
