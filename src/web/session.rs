@@ -39,7 +39,7 @@ enum Refusal {
     UnknownExemplar(String),
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    #[error("the parameters can't be used: {0}")]
+    #[error("the parameters can't be used: {}", without_place(.0))]
     Overrides(serde_json::Error),
     #[error(transparent)]
     Synthesis(#[from] SynthesisError),
@@ -51,6 +51,11 @@ enum Refusal {
     Save(serde_json::Error),
     #[error("no run has been started yet")]
     NoRun,
+}
+
+/// What is wrong, not where in a text that nobody sees.
+fn without_place(error: &serde_json::Error) -> String {
+    error.to_string().split(" at line ").next().unwrap_or_default().to_owned()
 }
 
 impl Refusal {
@@ -540,8 +545,8 @@ fn place_of(error: &FormatError) -> Option<Place> {
     Some(Place { line: line as u64, column: column.map(|column| column as u64) })
 }
 
-/// The preset's parameters as they suit the exemplar, with some replaced. Numbers are checked before they take their type, so that a negative
-/// or broken one is answered with its range.
+/// The preset's parameters as they suit the exemplar, with some replaced. Numbers are checked before they take their
+/// type, so that a negative or broken one is answered with its range.
 fn parameters(preset: &str, exemplar: &PointPattern, overrides: Map<String, Value>) -> Result<Parameters, Refusal> {
     for range in &Parameters::RANGES {
         if let Some(value) = overrides.get(range.name).and_then(Value::as_f64) {
@@ -549,12 +554,12 @@ fn parameters(preset: &str, exemplar: &PointPattern, overrides: Map<String, Valu
         }
     }
     let preset = Parameters::suited_to(Preset::from_name(preset)?, exemplar);
-    let mut merged = match serde_json::to_value(preset).map_err(Refusal::Overrides)? {
-        Value::Object(map) => map,
-        _ => Map::new(),
-    };
+    // By way of text, as a saved state: to and from `Value` would be 10 kB more of the wasm.
+    let text = serde_json::to_string(&preset).map_err(Refusal::Overrides)?;
+    let mut merged: Map<String, Value> = serde_json::from_str(&text).map_err(Refusal::Overrides)?;
     merged.extend(overrides.into_iter().map(|(name, value)| (name, whole(value))));
-    serde_json::from_value(Value::Object(merged)).map_err(Refusal::Overrides)
+    let text = serde_json::to_string(&merged).map_err(Refusal::Overrides)?;
+    serde_json::from_str(&text).map_err(Refusal::Overrides)
 }
 
 /// JavaScript has one kind of number: 4.0 is a whole number too.
