@@ -192,7 +192,7 @@ pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, Workloa
             Advance::Flat | Advance::NotFinite | Advance::Lost(_) => break,
         }
     }
-    seconds.sort_by(f64::total_cmp);
+    crate::sorting::ascending(&mut seconds);
     let median = seconds.get(seconds.len() / 2).copied().unwrap_or(f64::NAN);
     Ok(Report {
         seconds_per_iteration: median,

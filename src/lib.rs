@@ -30,6 +30,7 @@ pub mod gallery;
 pub mod method;
 pub mod pattern;
 pub mod sampling;
+mod sorting;
 pub mod synthesis;
 pub mod web;
 

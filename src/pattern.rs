@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::domain::{Boundary, Domain};
+use crate::sorting;
 
 /// Most points a pattern may hold; the page still draws this many smoothly.
 pub const MAX_POINTS: usize = 20_000;
@@ -356,11 +357,9 @@ pub(crate) fn mean_nearest_distance(points: &[DVec2], period: Option<DVec2>) -> 
     let low = points.iter().copied().fold(DVec2::INFINITY, DVec2::min);
     let high = points.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
     let axis = usize::from((high - low).y > (high - low).x);
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_unstable_by(|&i, &j| {
-        let (a, b) = (points[i], points[j]);
-        a[axis].total_cmp(&b[axis]).then(a[1 - axis].total_cmp(&b[1 - axis]))
-    });
+    let across = sorting::order(points.iter().map(|point| point[1 - axis]));
+    let along = sorting::order(across.iter().map(|&i| points[i][axis]));
+    let order: Vec<usize> = along.into_iter().map(|rank| across[rank]).collect();
 
     let mut nearest = vec![f64::INFINITY; points.len()];
     for (rank, &i) in order.iter().enumerate() {

@@ -578,9 +578,18 @@ fn units_do_not_matter() {
     assert!(wrong.quality.score < here.quality.score - 0.1, "{:?}", wrong.quality);
 
     let judge = Judge::new(&exemplar, &output, 1).unwrap();
-    let live = judge.compare(&output, Depth::Live).unwrap();
-    assert_eq!((live.quality, live.patches.is_none()), (here.quality, true));
-    assert_eq!(judge.compare(&output, Depth::Full).unwrap(), here);
+    assert_eq!(judge.compare(&output).unwrap(), here);
+    let live = judge.follow(&output).unwrap();
+    assert_eq!((live.scales, live.quality, live.defects), (here.scales, here.quality, here.defects));
+    assert_eq!(live.verdict, verdict(&here));
+    for (curves, analysis) in [(&live.exemplar, &here.exemplar), (&live.output, &here.output)] {
+        assert_eq!(curves.points, analysis.points);
+        assert_eq!(curves.nearest, analysis.nearest.first().copied());
+        assert_eq!(curves.nearest_histogram, analysis.nearest_histogram);
+        assert_eq!(curves.pair_correlation, analysis.pair_correlation);
+        assert_eq!(curves.spectrum, analysis.spectrum);
+        assert_eq!(curves.relative_radius, analysis.relative_radius);
+    }
     let text = serde_json::to_string(&here).unwrap();
     assert_eq!(serde_json::from_str::<Comparison>(&text).unwrap(), here);
 }

@@ -16,10 +16,12 @@
 //! | `neighbourhoods` | neighbourhoods found again: precision, coverage | |
 //! | `quality` | one number: 0 is chance, 1 the exemplar tiled | |
 //! | `verdict` | the same in words | |
+//! | `live` | what of all this follows a run | |
 //! | `report` | the same as an SVG (native only) | |
 
 mod cloud;
 mod error;
+mod live;
 mod nearest;
 mod neighbourhoods;
 mod neighbours;
@@ -36,6 +38,7 @@ mod verdict;
 
 pub use cloud::Cloud;
 pub use error::AnalysisError;
+pub use live::{Curves, Live};
 pub use nearest::{Histogram, NEIGHBOURS, NearestDistances, Summary, nearest_distances};
 pub use neighbourhoods::{NEIGHBOURHOOD, NeighbourhoodMatch, Neighbourhoods};
 pub use neighbours::{Neighbour, Neighbours};
@@ -261,15 +264,6 @@ impl Defects {
     }
 }
 
-/// How much of a [`Comparison`] is worked out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Depth {
-    /// What follows a run: no envelopes and no patches.
-    Live,
-    /// Everything.
-    Full,
-}
-
 /// An output against its exemplar. Lengths are in exemplar units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
@@ -293,18 +287,18 @@ pub struct Comparison {
     pub tiled: Distances,
     /// Stacked points, holes, crowded borders.
     pub defects: Defects,
-    /// The paper's numbers, in full depth and where a patch has two points.
+    /// The paper's numbers, where a patch has two points.
     pub patches: Option<PatchComparison>,
 }
 
 impl Comparison {
-    /// Compares in full depth, both patterns in the same unit of length. The same seed gives the same numbers.
+    /// Compares both patterns in the same unit of length. The same seed gives the same numbers.
     ///
     /// # Errors
     /// When the exemplar has no two points in different places, or the output fewer than two points.
     pub fn of(exemplar: &PointPattern, output: &PointPattern, seed: u64) -> Result<Self, AnalysisError> {
         let judge = Judge::new(exemplar, output, seed)?;
-        judge.compare(output, Depth::Full)
+        judge.compare(output)
     }
 }
 
@@ -316,7 +310,7 @@ pub struct Judge {
     seed: u64,
     scales: Scales,
     cloud: Cloud,
-    analysis: Analysis,
+    curves: Curves,
     domain: Domain,
     boundary: Boundary,
     class_sizes: Vec<usize>,
@@ -332,7 +326,7 @@ impl Judge {
         let unit = exemplar_unit(exemplar);
         let (cloud, points) = common_classes(exemplar, output, unit)?;
         let scales = Scales::of(&cloud)?;
-        let analysis = Analysis::of(&cloud, &scales)?;
+        let curves = Curves::of(&cloud, &scales)?;
         let class_sizes = points.class_sizes();
         let quality = QualityScale::new(&cloud, points.size(), points.boundary(), &class_sizes, seed)?;
         let (domain, boundary) = (output.domain(), output.boundary());
@@ -342,7 +336,7 @@ impl Judge {
             seed,
             scales,
             cloud,
-            analysis,
+            curves,
             domain,
             boundary,
             class_sizes,
@@ -356,47 +350,51 @@ impl Judge {
         &self.scales
     }
 
-    /// The exemplar's side.
-    #[must_use]
-    pub fn exemplar(&self) -> &Analysis {
-        &self.analysis
+    /// The output in the exemplar's unit, and a judge prepared for it if this one is not.
+    fn admit(&self, output: &PointPattern) -> Result<(Cloud, Option<Self>), AnalysisError> {
+        let (_, points) = common_classes(&self.pattern, output, self.unit)?;
+        let prepared = (output.domain(), output.boundary()) == (self.domain, self.boundary)
+            && points.class_sizes() == self.class_sizes;
+        let other = if prepared { None } else { Some(Self::new(&self.pattern, output, self.seed)?) };
+        Ok((points, other))
     }
 
-    /// Judges an output. One of another domain, boundary or class sizes than prepared for is judged as if it had been.
+    /// Judges an output in full. One of another domain, boundary or class sizes than prepared for is judged as if it
+    /// had been.
     ///
     /// # Errors
     /// With fewer than two points.
-    pub fn compare(&self, output: &PointPattern, depth: Depth) -> Result<Comparison, AnalysisError> {
-        let (_, points) = common_classes(&self.pattern, output, self.unit)?;
-        let prepared = (output.domain(), output.boundary(), points.class_sizes())
-            == (self.domain, self.boundary, self.class_sizes.clone());
-        if !prepared {
-            return Self::new(&self.pattern, output, self.seed)?.compare(output, depth);
-        }
-        let mut exemplar = self.analysis.clone();
-        let mut analysis = Analysis::of(&points, &self.scales)?;
-        let mut patches = None;
-        if depth == Depth::Full {
-            exemplar = exemplar.with_envelope(&self.cloud, &self.scales, self.seed)?;
-            analysis = analysis.with_envelope(&points, &self.scales, self.seed)?;
-            patches = compare_patches(&self.cloud, &points).ok();
-        }
+    pub fn compare(&self, output: &PointPattern) -> Result<Comparison, AnalysisError> {
+        let (points, other) = self.admit(output)?;
+        let judge = other.as_ref().unwrap_or(self);
+        let analyse = |cloud| Analysis::of(cloud, &judge.scales)?.with_envelope(cloud, &judge.scales, judge.seed);
+        let (exemplar, output) = (analyse(&judge.cloud)?, analyse(&points)?);
         Ok(Comparison {
-            unit: self.unit,
-            scales: self.scales,
-            density_ratio: analysis.density / exemplar.density,
-            pair_correlation_error: analysis
+            unit: judge.unit,
+            scales: judge.scales,
+            density_ratio: output.density / exemplar.density,
+            pair_correlation_error: output
                 .pair_correlation
                 .mean_squared_difference(&exemplar.pair_correlation)
                 .unwrap_or(f64::INFINITY),
             exemplar,
-            output: analysis,
-            quality: self.quality.judge(&points)?,
-            chance: self.quality.chance,
-            tiled: self.quality.tiled,
-            defects: Defects::of(&self.cloud, &points)?,
-            patches,
+            output,
+            quality: judge.quality.judge(&points)?,
+            chance: judge.quality.chance,
+            tiled: judge.quality.tiled,
+            defects: Defects::of(&judge.cloud, &points)?,
+            patches: compare_patches(&judge.cloud, &points).ok(),
         })
+    }
+
+    /// Judges an output while it comes into being: some milliseconds for a few hundred points.
+    ///
+    /// # Errors
+    /// With fewer than two points.
+    pub fn follow(&self, output: &PointPattern) -> Result<Live, AnalysisError> {
+        let (points, other) = self.admit(output)?;
+        let judge = other.as_ref().unwrap_or(self);
+        Live::of(&judge.scales, (&judge.cloud, &judge.curves), &points, judge.quality.judge(&points)?)
     }
 }
 

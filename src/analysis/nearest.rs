@@ -65,7 +65,7 @@ impl Summary {
     #[must_use]
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
-        values.sort_unstable_by(f64::total_cmp);
+        crate::sorting::ascending(&mut values);
         let (min, max) = (*values.first()?, *values.last()?);
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;

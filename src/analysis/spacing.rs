@@ -11,6 +11,7 @@ use super::error::AnalysisError;
 use super::nearest::{nearest_distances, quantile};
 use super::pair_correlation::densest_distance;
 use crate::domain::Boundary;
+use crate::sorting::ascending;
 
 /// Lagae & Dutré's (2008, §3) relative radius ρ in a domain of this area: half the smallest distance between two
 /// points over r_max = √(area / (2√3 n)), the radius of the densest packing. 1 for a hexagonal lattice, about 0.7 to
@@ -42,7 +43,7 @@ pub fn relative_radius(cloud: &Cloud) -> Result<f64, AnalysisError> {
 /// With a single point.
 pub fn stacking_distance(exemplar: &Cloud) -> Result<f64, AnalysisError> {
     let mut distances: Vec<f64> = nearest_distances(exemplar, 1)?.distances;
-    distances.sort_unstable_by(f64::total_cmp);
+    ascending(&mut distances);
     Ok(0.5 * quantile(&distances, 0.01))
 }
 

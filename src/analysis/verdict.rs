@@ -1,6 +1,6 @@
 //! Numbers in plain words.
 
-use super::{Analysis, Comparison, Quality};
+use super::{Analysis, Comparison, Defects, Quality, Summary};
 
 /// More than this share of stacked points, beyond what the exemplar has itself, is worth a word.
 const STACKED: f64 = 0.005;
@@ -14,16 +14,43 @@ const BORDER: f64 = 0.015;
 /// whether the two patterns fit together at all.
 #[must_use]
 pub fn verdict(comparison: &Comparison) -> String {
-    let mut sentences = vec![overall(comparison), weakest(comparison), defects(comparison)];
-    let ratio = comparison.density_ratio;
-    if !(0.9..=1.1).contains(&ratio) {
-        sentences.push(format!(
-            "It is {} times as dense as the exemplar, so compare with care: are both in the same unit of length?",
-            short(ratio)
-        ));
+    Facts {
+        quality: &comparison.quality,
+        defects: &comparison.defects,
+        density_ratio: comparison.density_ratio,
+        exemplar_points: comparison.exemplar.points,
+        nearest: [comparison.exemplar.nearest.first(), comparison.output.nearest.first()],
+        border_excess: comparison.output.border.map(|border| border.excess),
     }
-    sentences.retain(|sentence| !sentence.is_empty());
-    sentences.join(" ")
+    .verdict()
+}
+
+/// What a verdict rests on.
+pub(super) struct Facts<'a> {
+    pub(super) quality: &'a Quality,
+    pub(super) defects: &'a Defects,
+    /// The output's density over the exemplar's.
+    pub(super) density_ratio: f64,
+    pub(super) exemplar_points: usize,
+    /// Distances to the nearest neighbour, in the exemplar and in the output.
+    pub(super) nearest: [Option<&'a Summary>; 2],
+    /// Of the output, when it is a window; see [`BorderCrowd::excess`](super::BorderCrowd::excess).
+    pub(super) border_excess: Option<f64>,
+}
+
+impl Facts<'_> {
+    pub(super) fn verdict(&self) -> String {
+        let mut sentences = vec![overall(self), weakest(self), defects(self)];
+        let ratio = self.density_ratio;
+        if !(0.9..=1.1).contains(&ratio) {
+            sentences.push(format!(
+                "It is {} times as dense as the exemplar, so compare with care: are both in the same unit of length?",
+                short(ratio)
+            ));
+        }
+        sentences.retain(|sentence| !sentence.is_empty());
+        sentences.join(" ")
+    }
 }
 
 /// Whether a random pattern is matched as well as one can ask for: by another sample, not by a copy. Samples of the
@@ -36,20 +63,21 @@ fn is_another_sample(quality: &Quality) -> bool {
 
 /// The output's mean distance to the nearest neighbour over the exemplar's, when chance does not explain that it is
 /// not 1: three standard errors, and a percent.
-fn other_spacing(comparison: &Comparison) -> Option<f64> {
-    let (exemplar, output) = (comparison.exemplar.nearest.first()?, comparison.output.nearest.first()?);
+fn other_spacing(facts: &Facts<'_>) -> Option<f64> {
+    let [exemplar, output] = facts.nearest;
+    let (exemplar, output) = (exemplar?, output?);
     // As if the output had no more points than the exemplar: spacings of neighbours are not independent.
-    let error = exemplar.standard_deviation * (2.0 / comparison.exemplar.points as f64).sqrt();
+    let error = exemplar.standard_deviation * (2.0 / facts.exemplar_points as f64).sqrt();
     let allowed = 3.0 * error + 0.01 * exemplar.mean;
     ((output.mean - exemplar.mean).abs() > allowed).then(|| output.mean / exemplar.mean)
 }
 
-fn overall(comparison: &Comparison) -> String {
-    let quality = &comparison.quality;
+fn overall(facts: &Facts<'_>) -> String {
+    let quality = facts.quality;
     let words = match quality.score {
         score if score >= 0.9 => "The output is as good as a copy of the exemplar",
         score if score >= 0.7 => "The output reproduces the exemplar closely",
-        _ if is_another_sample(quality) && other_spacing(comparison).is_some() => {
+        _ if is_another_sample(quality) && other_spacing(facts).is_some() => {
             "The output is arranged like another sample of the same random process, but not spaced like one"
         }
         _ if is_another_sample(quality) => "The output is like another sample of the same random process",
@@ -60,15 +88,15 @@ fn overall(comparison: &Comparison) -> String {
     format!("{words}: quality {:.2}, where 0 is chance and 1 the exemplar tiled.", quality.score)
 }
 
-fn weakest(comparison: &Comparison) -> String {
-    let quality = &comparison.quality;
+fn weakest(facts: &Facts<'_>) -> String {
+    let quality = facts.quality;
     let own = quality.distances.neighbourhoods;
     let least = quality.pair_density.min(quality.precision).min(quality.coverage);
     if least >= 0.9 {
         return String::new();
     }
     if quality.score < 0.7 && is_another_sample(quality) {
-        if let Some(ratio) = other_spacing(comparison) {
+        if let Some(ratio) = other_spacing(facts) {
             return format!(
                 "Nearest neighbours lie at {} times the exemplar's distance on average, more off than chance explains.",
                 short(ratio)
@@ -100,9 +128,9 @@ fn weakest(comparison: &Comparison) -> String {
     }
 }
 
-fn defects(comparison: &Comparison) -> String {
-    let defects = &comparison.defects;
-    let crowded = comparison.output.border.is_some_and(|border| border.excess > 0.0);
+fn defects(facts: &Facts<'_>) -> String {
+    let defects = facts.defects;
+    let crowded = facts.border_excess.is_some_and(|excess| excess > 0.0);
     let mut wrong = Vec::new();
     let stacked = defects.stacked - defects.exemplar_stacked;
     if stacked > STACKED {

@@ -138,7 +138,8 @@ pub(crate) fn lay_out(pattern: &PointPattern, min: DVec2, size: DVec2, look: &Lo
             push_copies(&mut disks, disk, frame_min, frame_size);
         }
     }
-    disks.sort_by_key(|disk| disk.class);
+    let order = crate::sorting::order(disks.iter().map(|disk| f64::from(disk.class)));
+    let disks = order.into_iter().map(|place| disks[place]).collect();
     Layout { min: frame_min, size: frame_size, disks, clipped, line: (size.max_element() / 800.0).max(0.5) }
 }
 

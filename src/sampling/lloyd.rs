@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::domain::Boundary;
+use crate::sorting::order;
 
 /// Moves every point to the centroid of its Voronoi cell in `[0, size.x) × [0, size.y)` (Lloyd 1982): one step of the
 /// fixed-point iteration whose limit is a centroidal Voronoi tessellation.
@@ -14,7 +15,7 @@ use crate::domain::Boundary;
 pub fn lloyd_step(points: &[DVec2], size: DVec2, boundary: Boundary) -> Vec<DVec2> {
     let mut cell = Vec::new();
     let mut clipped = Vec::new();
-    let mut order: Vec<(f64, DVec2)> = Vec::new();
+    let mut others: Vec<(f64, DVec2)> = Vec::new();
     (0..points.len())
         .map(|index| {
             let site = points[index];
@@ -25,26 +26,26 @@ pub fn lloyd_step(points: &[DVec2], size: DVec2, boundary: Boundary) -> Vec<DVec
             };
             cell.clear();
             cell.extend([low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)]);
-            order.clear();
+            others.clear();
             for (other, &point) in points.iter().enumerate() {
                 if other == index {
                     continue;
                 }
                 let offset = point - site;
                 match boundary {
-                    Boundary::Open => order.push((offset.length_squared(), offset)),
+                    Boundary::Open => others.push((offset.length_squared(), offset)),
                     Boundary::Periodic => {
                         for shift_y in [-1.0, 0.0, 1.0] {
                             for shift_x in [-1.0, 0.0, 1.0] {
                                 let image = offset + DVec2::new(shift_x, shift_y) * size;
-                                order.push((image.length_squared(), image));
+                                others.push((image.length_squared(), image));
                             }
                         }
                     }
                 }
             }
-            order.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for &(distance_squared, offset) in &order {
+            let nearest_first = order(others.iter().map(|other| other.0));
+            for (distance_squared, offset) in nearest_first.into_iter().map(|place| others[place]) {
                 let reach = cell.iter().map(|corner: &DVec2| corner.length_squared()).fold(0.0, f64::max);
                 // A bisector farther away than every corner can't cut; nor can any later one.
                 if distance_squared > 4.0 * reach {

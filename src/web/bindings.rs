@@ -76,6 +76,7 @@ fn misunderstood(error: &serde_wasm_bindgen::Error) -> Response {
 ///
 /// # Errors
 /// When the workload can't be read or is out of range.
+#[cfg(feature = "bench")]
 #[wasm_bindgen]
 pub fn bench_iterations(workload: &str) -> Result<String, String> {
     let workload = serde_json::from_str(workload).map_err(|error| error.to_string())?;

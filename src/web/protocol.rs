@@ -56,6 +56,9 @@ pub enum Request {
         /// How many iterations to complete at most; 1 is a single step.
         max_iterations: u32,
     },
+    /// How well the output as it stands reproduces the exemplar, in curves, numbers and words. Answered by
+    /// [`Response::Analyzed`].
+    Analyze {},
     /// The output as a file. Answered by [`Response::Exported`].
     Export {
         /// Which kind of file.
@@ -210,6 +213,29 @@ pub enum Response {
         /// Whether there is nothing left to do.
         finished: bool,
     },
+    /// The output against its exemplar. Lengths are in mean spacings d of the exemplar, frequencies in cycles per d.
+    Analyzed {
+        /// The exemplar's curves.
+        exemplar: CurvesView,
+        /// The output's, at the same distances.
+        output: CurvesView,
+        /// Distances at which the pair correlations are sampled.
+        #[serde(with = "typed_array::floats")]
+        distance: Vec<f32>,
+        /// Width of an interval of the histograms, which begin at 0.
+        interval: f64,
+        /// How good it is.
+        quality: QualityView,
+        /// What is wrong with it.
+        defects: DefectsView,
+        /// The same in two to four sentences.
+        verdict: String,
+        /// How many iterations the output has seen.
+        iterations: u64,
+        /// Milliseconds of work the answer took, without what is prepared once for a run: the page asks no oftener than
+        /// it can afford.
+        work_ms: f64,
+    },
     /// The output as a file.
     Exported {
         /// Which kind of file.
@@ -321,6 +347,54 @@ pub struct Points {
     /// Class of every point; a `Uint16Array` on the page.
     #[serde(with = "typed_array::words")]
     pub classes: Vec<u16>,
+}
+
+/// The statistics of one side.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct CurvesView {
+    /// g at each distance; 1 is chance.
+    #[serde(with = "typed_array::floats")]
+    pub pair_correlation: Vec<f32>,
+    /// Share of the points whose nearest neighbour lies in each interval.
+    #[serde(with = "typed_array::floats")]
+    pub nearest: Vec<f32>,
+    /// Mean distance to the nearest neighbour.
+    pub spacing: f64,
+    /// Frequencies of the rings of the periodogram: a larger rectangle has more.
+    #[serde(with = "typed_array::floats")]
+    pub frequency: Vec<f32>,
+    /// Mean power of each ring; 1 is chance.
+    #[serde(with = "typed_array::floats")]
+    pub power: Vec<f32>,
+    /// Relative radius ρ.
+    pub relative_radius: f64,
+}
+
+/// [`Quality`](crate::analysis::Quality): 0 is chance, 1 the exemplar tiled.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QualityView {
+    /// Mean of the three parts.
+    pub score: f64,
+    /// Whether pairs of points lie as in the exemplar.
+    pub arrangement: f64,
+    /// Whether what is there should be.
+    pub detail: f64,
+    /// Whether what should be is there.
+    pub variety: f64,
+    /// What an independent sample of a random exemplar's process would score.
+    pub independent: f64,
+}
+
+/// [`Defects`](crate::analysis::Defects).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DefectsView {
+    /// Share of the points that lie on others, beyond the exemplar's own.
+    pub stacked: f64,
+    /// Width of the largest hole over that of the exemplar's.
+    pub holes: f64,
+    /// Share of the points too many along an open border.
+    pub border: Option<f64>,
 }
 
 /// A place in a file, both counted from 1.

@@ -6,6 +6,7 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 
 use crate::PointPattern;
+use crate::analysis::{AnalysisError, Curves, Judge};
 use crate::engine::gpu::{self, Gpu, GpuError, OpenOptions};
 use crate::formats::{self, FormatError, ReadOptions, SvgStyle};
 use crate::gallery;
@@ -13,8 +14,8 @@ use crate::method::{ParameterError, Parameters, Preset};
 use crate::synthesis::{Event, Progress, Synthesis, SynthesisError, SynthesisState};
 
 use super::protocol::{
-    AdapterView, EngineChoice, EngineView, ExportFormat, GalleryEntryView, PatternView, Place, Points, PresetView,
-    RangeView, Request, Response, Source,
+    AdapterView, CurvesView, DefectsView, EngineChoice, EngineView, ExportFormat, GalleryEntryView, PatternView, Place,
+    Points, PresetView, QualityView, RangeView, Request, Response, Source,
 };
 
 /// Memory a run may take, in bytes. A 32-bit address space ends at 4 GB, a phone's patience well before.
@@ -38,16 +39,23 @@ enum Refusal {
     UnknownExemplar(String),
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    #[error("the parameters can't be used: {0}")]
+    #[error("the parameters can't be used: {}", without_place(.0))]
     Overrides(serde_json::Error),
     #[error(transparent)]
     Synthesis(#[from] SynthesisError),
+    #[error("there are no statistics: {0}")]
+    Analysis(#[from] AnalysisError),
     #[error("the saved state can't be read: {0}")]
     State(serde_json::Error),
     #[error("the state can't be saved: {0}")]
     Save(serde_json::Error),
     #[error("no run has been started yet")]
     NoRun,
+}
+
+/// What is wrong, not where in a text that nobody sees.
+fn without_place(error: &serde_json::Error) -> String {
+    error.to_string().split(" at line ").next().unwrap_or_default().to_owned()
 }
 
 impl Refusal {
@@ -76,6 +84,8 @@ struct Run {
     /// [`Progress::done`] at the last complete iteration.
     done: f64,
     finished: bool,
+    /// Made when statistics are first asked for.
+    judge: Option<Judge>,
 }
 
 fn smooth(old: Option<f64>, new: f64) -> Option<f64> {
@@ -94,6 +104,7 @@ impl Run {
             ms_per_run: None,
             done,
             finished: false,
+            judge: None,
         }
     }
 
@@ -214,6 +225,7 @@ impl Session {
             Request::Open { exemplar } => read(exemplar).map(|exemplar| Response::Opened { exemplar: view(&exemplar) }),
             Request::Start { exemplar, preset, overrides } => self.start(exemplar, &preset, overrides),
             Request::Run { budget_ms, max_iterations } => self.advance(budget_ms, max_iterations, now_ms),
+            Request::Analyze {} => self.analyze(now_ms),
             Request::Export { format } => self.export(format),
             Request::Save {} => self.save(),
             Request::Resume { state } => self.resume(&state),
@@ -308,6 +320,42 @@ impl Session {
             engine,
             note,
             finished: run.finished,
+        })
+    }
+
+    fn analyze(&mut self, now_ms: &dyn Fn() -> f64) -> Result<Response, Refusal> {
+        let run = self.run.as_mut().ok_or(Refusal::NoRun)?;
+        let output = run.synthesis.output()?;
+        let judge = match run.judge.take() {
+            Some(judge) => judge,
+            None => Judge::new(run.synthesis.exemplar(), &output, run.synthesis.parameters().seed)?,
+        };
+        let judge = run.judge.insert(judge);
+        // What is made once for a run does not count: it says nothing about the next answer.
+        let start = now_ms();
+        let live = judge.follow(&output)?;
+        let unit = live.scales.spacing;
+        let (quality, defects) = (live.quality, live.defects);
+        Ok(Response::Analyzed {
+            exemplar: curves(&live.exemplar, unit),
+            output: curves(&live.output, unit),
+            distance: narrow(&live.exemplar.pair_correlation.radius, 1.0 / unit),
+            interval: live.scales.histogram_width / unit,
+            quality: QualityView {
+                score: quality.score,
+                arrangement: quality.pair_density,
+                detail: quality.precision,
+                variety: quality.coverage,
+                independent: quality.independent,
+            },
+            defects: DefectsView {
+                stacked: defects.stacked - defects.exemplar_stacked,
+                holes: defects.holes,
+                border: defects.border,
+            },
+            verdict: live.verdict,
+            iterations: run.synthesis.progress().total_iterations,
+            work_ms: now_ms() - start,
         })
     }
 
@@ -497,8 +545,8 @@ fn place_of(error: &FormatError) -> Option<Place> {
     Some(Place { line: line as u64, column: column.map(|column| column as u64) })
 }
 
-/// The preset's parameters as they suit the exemplar, with some replaced. Numbers are checked before they take their type, so that a negative
-/// or broken one is answered with its range.
+/// The preset's parameters as they suit the exemplar, with some replaced. Numbers are checked before they take their
+/// type, so that a negative or broken one is answered with its range.
 fn parameters(preset: &str, exemplar: &PointPattern, overrides: Map<String, Value>) -> Result<Parameters, Refusal> {
     for range in &Parameters::RANGES {
         if let Some(value) = overrides.get(range.name).and_then(Value::as_f64) {
@@ -506,12 +554,12 @@ fn parameters(preset: &str, exemplar: &PointPattern, overrides: Map<String, Valu
         }
     }
     let preset = Parameters::suited_to(Preset::from_name(preset)?, exemplar);
-    let mut merged = match serde_json::to_value(preset).map_err(Refusal::Overrides)? {
-        Value::Object(map) => map,
-        _ => Map::new(),
-    };
+    // By way of text, as a saved state: to and from `Value` would be 10 kB more of the wasm.
+    let text = serde_json::to_string(&preset).map_err(Refusal::Overrides)?;
+    let mut merged: Map<String, Value> = serde_json::from_str(&text).map_err(Refusal::Overrides)?;
     merged.extend(overrides.into_iter().map(|(name, value)| (name, whole(value))));
-    serde_json::from_value(Value::Object(merged)).map_err(Refusal::Overrides)
+    let text = serde_json::to_string(&merged).map_err(Refusal::Overrides)?;
+    serde_json::from_str(&text).map_err(Refusal::Overrides)
 }
 
 /// JavaScript has one kind of number: 4.0 is a whole number too.
@@ -586,6 +634,22 @@ fn view_in_units(pattern: &PointPattern, unit: f64) -> PatternView {
     }
 }
 
+/// What the page draws of one side, in mean spacings of the exemplar, `unit`.
+fn curves(curves: &Curves, unit: f64) -> CurvesView {
+    CurvesView {
+        pair_correlation: narrow(&curves.pair_correlation.value, 1.0),
+        nearest: narrow(&curves.nearest_histogram.shares, 1.0),
+        spacing: curves.nearest.map_or(0.0, |nearest| nearest.mean) / unit,
+        frequency: narrow(&curves.spectrum.frequency, unit),
+        power: narrow(&curves.spectrum.power, 1.0),
+        relative_radius: curves.relative_radius,
+    }
+}
+
+fn narrow(values: &[f64], factor: f64) -> Vec<f32> {
+    values.iter().map(|value| (value * factor) as f32).collect()
+}
+
 fn points(pattern: &PointPattern, unit: f64) -> Points {
     let min = pattern.domain().min();
     let positions = pattern.positions().iter().flat_map(|&point| ((point - min) / unit).as_vec2().to_array()).collect();
@@ -601,6 +665,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::analysis::{Comparison, verdict};
 
     /// Answers through JSON both ways, as the page would see it, with a clock that ticks 1 ms a look.
     fn ask(session: &mut Session, request: Value) -> Value {
@@ -698,6 +763,77 @@ mod tests {
     }
 
     #[test]
+    fn statistics_are_those_of_the_exported_pattern() {
+        let mut session = Session::new();
+        let mut request = tiny(3);
+        request["overrides"]["boundary"] = json!("periodic");
+        ask(&mut session, request);
+        let analyze = || json!({ "type": "analyze" });
+        let start = ask(&mut session, analyze());
+        run(&mut session, 4);
+        let answer = ask(&mut session, analyze());
+        assert_eq!((&answer["type"], &answer["iterations"]), (&json!("analyzed"), &json!(4)), "{answer}");
+        assert_ne!(answer["output"], start["output"]);
+        assert_eq!(answer["exemplar"], start["exemplar"]);
+
+        let exported = ask(&mut session, json!({ "type": "export", "format": "json" }));
+        let text = exported["text"].as_str().unwrap();
+        let output = formats::read(text.as_bytes(), None, &ReadOptions::default()).unwrap();
+        let exemplar = gallery::find("rings").unwrap().exemplar();
+        let expected = Comparison::of(&exemplar, &output, 3).unwrap();
+        let list =
+            |value: &Value| -> Vec<f64> { value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect() };
+        let same = |found: &Value, wanted: &[f64], factor: f64| {
+            let found = list(found);
+            assert_eq!(found.len(), wanted.len());
+            for (a, b) in found.iter().zip(wanted) {
+                assert_eq!(*a, f64::from((b * factor) as f32), "{found:?} {wanted:?}");
+            }
+        };
+        let d = expected.scales.spacing;
+        same(&answer["distance"], &expected.output.pair_correlation.radius, 1.0 / d);
+        for (side, analysis) in [("exemplar", &expected.exemplar), ("output", &expected.output)] {
+            same(&answer[side]["pairCorrelation"], &analysis.pair_correlation.value, 1.0);
+            same(&answer[side]["nearest"], &analysis.nearest_histogram.shares, 1.0);
+            same(&answer[side]["frequency"], &analysis.spectrum.frequency, d);
+            same(&answer[side]["power"], &analysis.spectrum.power, 1.0);
+            assert_eq!(answer[side]["relativeRadius"], json!(analysis.relative_radius));
+            assert_eq!(answer[side]["spacing"], json!(analysis.nearest[0].mean / d));
+        }
+        let quality = expected.quality;
+        assert_eq!(answer["quality"]["score"], json!(quality.score));
+        assert_eq!(answer["quality"]["arrangement"], json!(quality.pair_density));
+        assert_eq!(answer["quality"]["detail"], json!(quality.precision));
+        assert_eq!(answer["quality"]["variety"], json!(quality.coverage));
+        assert_eq!(answer["quality"]["independent"], json!(quality.independent));
+        assert_eq!(answer["defects"]["holes"], json!(expected.defects.holes));
+        assert_eq!(answer["defects"]["border"], Value::Null, "a tile has no border");
+        assert_eq!(answer["verdict"], json!(verdict(&expected)));
+        assert!(answer["workMs"].as_f64().unwrap() > 0.0);
+    }
+
+    #[test]
+    fn another_run_has_another_judge() {
+        let mut session = Session::new();
+        let analyze = || json!({ "type": "analyze" });
+        ask(&mut session, tiny(3));
+        let rings = ask(&mut session, analyze());
+        let mut request = tiny(3);
+        request["exemplar"]["name"] = json!("chevrons");
+        ask(&mut session, request);
+        let chevrons = ask(&mut session, analyze());
+        assert_ne!(rings["exemplar"]["pairCorrelation"], chevrons["exemplar"]["pairCorrelation"]);
+        let text = "# domain 0 0 1 1\n0.5,0.5\n0.5,0.5\n";
+        let mut request = tiny(3);
+        request["exemplar"] = json!({ "source": "file", "name": "a.csv", "bytes": text.as_bytes() });
+        if ask(&mut session, request)["type"] == "started" {
+            let answer = ask(&mut session, analyze());
+            assert_eq!(answer["type"], "error");
+            assert!(answer["message"].as_str().unwrap().contains("no statistics"), "{answer}");
+        }
+    }
+
+    #[test]
     fn a_budget_ends_a_batch_before_its_iterations() {
         let mut session = Session::new();
         ask(&mut session, tiny(1));
@@ -765,6 +901,7 @@ mod tests {
         for request in [
             json!({ "type": "run", "budgetMs": 1, "maxIterations": 1 }),
             json!({ "type": "save" }),
+            json!({ "type": "analyze" }),
             json!({ "type": "export", "format": "csv" }),
         ] {
             refused(&ask(&mut session, request), "no run");

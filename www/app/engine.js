@@ -5,6 +5,7 @@
  * The worker begins on the processor and is told the choice once a run has started, so that no device delays the
  * first picture. A new worker has to be told again.
  */
+import { recall, remember } from './memory.js';
 import { rate } from './words.js';
 
 /** @typedef {import('./messages.js').EngineChoice} EngineChoice */
@@ -17,24 +18,6 @@ const DISMISSED_KEY = 'pointweave.dismissed';
 
 /** @param {string | null} text */
 const asChoice = (text) => CHOICES.find((choice) => choice === text) ?? null;
-
-/** What was stored; nothing where storing is not allowed. @param {string} key */
-function recall(key) {
-  try {
-    return localStorage.getItem(key);
-  } catch {
-    return null;
-  }
-}
-
-/** @param {string} key @param {string} value */
-function remember(key, value) {
-  try {
-    localStorage.setItem(key, value);
-  } catch {
-    // Then it holds for this visit.
-  }
-}
 
 /** @param {string} id */
 const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));

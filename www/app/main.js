@@ -5,6 +5,7 @@ import { Engine } from './engine.js';
 import { LossChart } from './loss-chart.js';
 import { Run } from './run.js';
 import { Stage } from './stage.js';
+import { Statistics } from './statistics.js';
 import { duration, points, times } from './words.js';
 import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 
@@ -49,6 +50,8 @@ const chart = new LossChart();
 const link = new WorkerLink(`./worker.js${isTest ? '?test=1' : ''}`, patience, onWorkerDeath);
 const engine = new Engine(link, { announce, checks: (checks) => void (run.shares = checks) });
 const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain });
+
+const statistics = new Statistics(link, { status: () => run.status, announce });
 
 /** @type {Chosen} */
 let chosen = { title: 'Rings', caption: '', source: { source: 'gallery', name: FIRST } };
@@ -155,6 +158,7 @@ function onStarted(started) {
   element('download-csv').title = `${points(outputCount)}, one line each, in the exemplar's own units`;
   showProgress(null, null);
   engine.ensure();
+  statistics.restart();
 }
 
 /** @param {import('./messages.js').BatchResponse} batch */
@@ -167,7 +171,10 @@ function onBatch(batch) {
     else if (event.type === 'scale-started' && event.progress.iteration === 0) chart.beginScale();
   }
   if (batch.engine) engine.change(batch.engine, batch.note);
-  if (batch.points) stage.move(batch.points);
+  if (batch.points) {
+    stage.move(batch.points);
+    statistics.moved();
+  }
   showProgress(batch.iterationsPerSecond, batch.secondsLeft);
   if (progress.scale !== scaleBefore) announce(`Scale ${progress.scale + 1} of ${progress.scales} has begun.`);
 }
@@ -222,6 +229,7 @@ function onStatus(status) {
   if (status !== 'playing') showProgress(null, null);
   if (status === 'finished') announce('Finished.');
   document.body.dataset.status = status;
+  statistics.turned();
 }
 
 function toggle() {
@@ -612,6 +620,10 @@ Object.assign(window, {
     },
     get engine() {
       return engine.view;
+    },
+    /** How often statistics were worked out, and the latest. */
+    get statistics() {
+      return statistics.state;
     },
     crash: (/** @type {'trap' | 'silence' | 'device'} */ how) => link.crash(how),
   },

@@ -18,12 +18,13 @@
 /** @typedef {{ type: 'open', exemplar: Source }} OpenRequest */
 /** @typedef {{ type: 'start', exemplar: Source, preset: string, overrides: Record<string, number | string> }} StartRequest */
 /** @typedef {{ type: 'run', budgetMs: number, maxIterations: number }} RunRequest */
+/** @typedef {{ type: 'analyze' }} AnalyzeRequest */
 /** @typedef {{ type: 'export', format: ExportFormat }} ExportRequest */
 /** @typedef {{ type: 'save' }} SaveRequest */
 /** @typedef {{ type: 'resume', state: string }} ResumeRequest */
 /**
- * @typedef {DescribeRequest | EngineRequest | GalleryRequest | OpenRequest | StartRequest | RunRequest | ExportRequest | SaveRequest
- *   | ResumeRequest} Request
+ * @typedef {DescribeRequest | EngineRequest | GalleryRequest | OpenRequest | StartRequest | RunRequest | AnalyzeRequest | ExportRequest
+ *   | SaveRequest | ResumeRequest} Request
  */
 
 // What the worker answers.
@@ -37,18 +38,23 @@
  *   iterationsPerSecond: number | null, secondsLeft: number | null,
  *   engine: EngineView | null, note: string | null, finished: boolean }} BatchResponse
  */
+/**
+ * Lengths in mean spacings d of the exemplar, frequencies in cycles per d.
+ * @typedef {{ type: 'analyzed', exemplar: CurvesView, output: CurvesView, distance: Float32Array, interval: number,
+ *   quality: QualityView, defects: DefectsView, verdict: string, iterations: number, workMs: number }} AnalyzedResponse
+ */
 /** @typedef {{ type: 'exported', format: ExportFormat, text: string, points: number }} ExportedResponse */
 /** @typedef {{ type: 'saved', state: string, progress: Progress }} SavedResponse */
 /** @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null }} ErrorResponse */
 /**
  * @typedef {DescriptionResponse | EngineResponse | GalleryResponse | OpenedResponse | StartedResponse | BatchResponse
- *   | ExportedResponse | SavedResponse | ErrorResponse} Response
+ *   | AnalyzedResponse | ExportedResponse | SavedResponse | ErrorResponse} Response
  */
 
 /**
  * Which answer belongs to which question.
  * @typedef {{ describe: DescriptionResponse, engine: EngineResponse, gallery: GalleryResponse, open: OpenedResponse, start: StartedResponse,
- *   run: BatchResponse, export: ExportedResponse, save: SavedResponse, resume: StartedResponse }} Answers
+ *   run: BatchResponse, analyze: AnalyzedResponse, export: ExportedResponse, save: SavedResponse, resume: StartedResponse }} Answers
  */
 
 // What they hold.
@@ -61,6 +67,12 @@
  * @typedef {{ points: Points, classNames: string[], size: [number, number], min: [number, number], unit: number,
  *   boundary: 'open' | 'periodic', spacing: number | null }} PatternView
  */
+/**
+ * @typedef {{ pairCorrelation: Float32Array, nearest: Float32Array, spacing: number, frequency: Float32Array,
+ *   power: Float32Array, relativeRadius: number }} CurvesView
+ */
+/** @typedef {{ score: number, arrangement: number, detail: number, variety: number, independent: number }} QualityView */
+/** @typedef {{ stacked: number, holes: number, border: number | null }} DefectsView */
 /** @typedef {Record<string, number | string>} Parameters */
 /**
  * @typedef {{ class: number, classes: number, scale: number, scales: number, iteration: number, iterations: number,

@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &WebArguments) -> Result<()> {
     requirements::provide_npm_packages()?;
     let chromium = requirements::chromium().context("there is no Chromium")?;
     let program = build_native()?;
-    let dist = web::build(&web::BuildArguments::default())?;
+    let dist = web::build(&web::BuildArguments { bench: true, ..Default::default() })?;
     let pages = process::root().join("benches/web");
     let server = Running::start("127.0.0.1", 0, vec![Mount::new("", &dist)?, Mount::new("bench", &pages)?])?;
     println!("{workload}; 1 thread, {iterations} iterations a round");

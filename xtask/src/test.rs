@@ -182,7 +182,7 @@ impl Session<'_> {
 
     fn build_page(&mut self) -> Result<()> {
         if !self.is_page_built {
-            web::build(&web::BuildArguments { optimize: true })?;
+            web::build(&web::BuildArguments { optimize: true, ..Default::default() })?;
             self.is_page_built = true;
         }
         Ok(())

@@ -26,6 +26,9 @@ pub(crate) struct BuildArguments {
     /// Never a distribution's: version 108 writes broken modules without a word.
     #[arg(long)]
     pub(crate) optimize: bool,
+    /// With what the benchmark in the browser calls.
+    #[arg(skip)]
+    pub(crate) bench: bool,
 }
 
 /// Where the built page lies.
@@ -43,7 +46,7 @@ pub(crate) fn build(arguments: &BuildArguments) -> Result<PathBuf> {
     let staging = process::target().join("dist-staging");
     remove(&staging)?;
     copy_folder(&www, &staging)?;
-    compile(&staging.join("pkg"))?;
+    compile(&staging.join("pkg"), arguments.bench)?;
     if arguments.optimize {
         shrink(&staging.join("pkg").join(MODULE))?;
     }
@@ -59,7 +62,7 @@ pub(crate) fn build(arguments: &BuildArguments) -> Result<PathBuf> {
 pub(crate) fn size() -> Result<()> {
     let folder = process::target().join("wasm-size");
     remove(&folder)?;
-    compile(&folder)?;
+    compile(&folder, false)?;
     shrink(&folder.join(MODULE))?;
     check_size(&folder.join(MODULE))
 }
@@ -86,8 +89,13 @@ fn gzip_size(bytes: &[u8]) -> Result<usize> {
 }
 
 /// Compiles the crate and writes `pointweave.js` and its module into `folder`.
-fn compile(folder: &Path) -> Result<()> {
-    process::run(process::cargo().args(["build", "--locked", "--profile", "wasm", "--target", TRIPLE, "--lib"]))?;
+fn compile(folder: &Path, bench: bool) -> Result<()> {
+    let mut command = process::cargo();
+    command.args(["build", "--locked", "--profile", "wasm", "--target", TRIPLE, "--lib"]);
+    if bench {
+        command.args(["--features", "bench"]);
+    }
+    process::run(&mut command)?;
     let compiled = process::target().join(TRIPLE).join("wasm").join("pointweave.wasm");
     Bindgen::new()
         .input_path(&compiled)

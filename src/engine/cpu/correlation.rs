@@ -13,7 +13,7 @@ use std::sync::Arc;
 use rustfft::algorithm::butterflies::{Butterfly4, Butterfly5, Butterfly6, Butterfly8, Butterfly9, Butterfly12};
 use rustfft::algorithm::{BluesteinsAlgorithm, Radix4};
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftDirection};
+use rustfft::{Direction, Fft, FftDirection, Length};
 
 use crate::domain::Boundary;
 use crate::engine::view::{Lags, Region};
@@ -33,13 +33,66 @@ type Base<T> = fn(FftDirection) -> Arc<dyn Fft<T>>;
 /// an iteration either way.
 fn bases<T: Real>() -> [(usize, Base<T>); 6] {
     [
-        (4, |direction| Arc::new(Butterfly4::new(direction))),
-        (5, |direction| Arc::new(Butterfly5::new(direction))),
-        (6, |direction| Arc::new(Butterfly6::new(direction))),
-        (8, |direction| Arc::new(Butterfly8::new(direction))),
-        (9, |direction| Arc::new(Butterfly9::new(direction))),
-        (12, |direction| Arc::new(Butterfly12::new(direction))),
+        (4, |direction| Arc::new(InPlace(Butterfly4::new(direction)))),
+        (5, |direction| Arc::new(InPlace(Butterfly5::new(direction)))),
+        (6, |direction| Arc::new(InPlace(Butterfly6::new(direction)))),
+        (8, |direction| Arc::new(InPlace(Butterfly8::new(direction)))),
+        (9, |direction| Arc::new(InPlace(Butterfly9::new(direction)))),
+        (12, |direction| Arc::new(InPlace(Butterfly12::new(direction)))),
     ]
+}
+
+/// A butterfly in place, all that [`Radix4`] asks of it. rustfft writes every butterfly three times, and what may be
+/// called is kept: the copying variants would be 34 kB of the wasm that nobody calls.
+struct InPlace<F>(F);
+
+impl<F: Length> Length for InPlace<F> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+}
+
+impl<F: Direction> Direction for InPlace<F> {
+    fn fft_direction(&self) -> FftDirection {
+        self.0.fft_direction()
+    }
+}
+
+impl<T: Real, F: Fft<T>> Fft<T> for InPlace<F> {
+    fn process_with_scratch(&self, buffer: &mut [Complex<T>], scratch: &mut [Complex<T>]) {
+        self.0.process_with_scratch(buffer, scratch);
+    }
+
+    fn process_outofplace_with_scratch(
+        &self,
+        input: &mut [Complex<T>],
+        output: &mut [Complex<T>],
+        scratch: &mut [Complex<T>],
+    ) {
+        self.process_immutable_with_scratch(input, output, scratch);
+    }
+
+    fn process_immutable_with_scratch(
+        &self,
+        input: &[Complex<T>],
+        output: &mut [Complex<T>],
+        scratch: &mut [Complex<T>],
+    ) {
+        output.copy_from_slice(input);
+        self.0.process_with_scratch(output, scratch);
+    }
+
+    fn get_inplace_scratch_len(&self) -> usize {
+        self.0.get_inplace_scratch_len()
+    }
+
+    fn get_outofplace_scratch_len(&self) -> usize {
+        self.0.get_inplace_scratch_len()
+    }
+
+    fn get_immutable_scratch_len(&self) -> usize {
+        self.0.get_inplace_scratch_len()
+    }
 }
 
 /// The exponent k with `len = base · 4ᵏ`, if there is one.

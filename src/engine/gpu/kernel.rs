@@ -117,6 +117,8 @@ pub(super) struct Dispatch {
 }
 
 impl Dispatch {
+    // Some fifty callers: inlined, it would be several kB of the wasm.
+    #[inline(never)]
     pub(super) fn new(
         gpu: &Gpu,
         kernel: &Kernel,
@@ -160,6 +162,7 @@ pub(super) fn folded(count: usize, size: usize) -> [usize; 3] {
 
 impl Gpu {
     /// A buffer of `numbers` 32-bit numbers that only the device sees.
+    #[inline(never)]
     pub(super) fn storage(&self, label: &'static str, numbers: usize) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),

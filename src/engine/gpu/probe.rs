@@ -74,6 +74,11 @@ pub struct Deviation {
 
 impl Deviation {
     fn new(what: &'static str, ours: &[f32], twin: impl IntoIterator<Item = f64>, tolerance: f64) -> Self {
+        Self::between(what, ours, twin.into_iter().collect(), tolerance)
+    }
+
+    #[inline(never)]
+    fn between(what: &'static str, ours: &[f32], twin: Vec<f64>, tolerance: f64) -> Self {
         let mut largest = f64::MIN_POSITIVE;
         let mut errors: Vec<f64> = ours
             .iter()
@@ -85,7 +90,7 @@ impl Deviation {
                 if error.is_finite() { error } else { f64::INFINITY }
             })
             .collect();
-        errors.sort_by(f64::total_cmp);
+        crate::sorting::ascending(&mut errors);
         // Two numbers, or two in a thousand, may be on the other side of the ReLU.
         let strays = (errors.len() / 500).max(2).min(errors.len() / 8);
         let worst = errors.len().checked_sub(1 + strays).and_then(|index| errors.get(index));
