@@ -44,6 +44,8 @@ export class Statistics {
   /** @type {Analyzed | null} */
   #latest = null;
   #answers = 0;
+  /** Whether the person has just opened it. */
+  #opened = false;
 
   /**
    * @param {import('./worker-link.js').WorkerLink} link
@@ -55,11 +57,13 @@ export class Statistics {
     this.#panel.open = recall(OPEN_KEY) === 'open';
     this.#panel.addEventListener('toggle', () => {
       remember(OPEN_KEY, this.#panel.open ? 'open' : 'closed');
+      // What is still of this moment needs no new answer.
+      if (this.#latest && !this.#stale) this.#reveal();
       this.#ask();
     });
     this.#panel.querySelector('summary')?.addEventListener('click', () => {
-      // Once it is open; what a visit begins with does not move the page.
-      this.#panel.addEventListener('toggle', () => this.#reveal(), { once: true });
+      // Scrolled to once its words are there and it has its height; what a visit begins with does not move the page.
+      this.#opened = !this.#panel.open;
     });
   }
 
@@ -69,7 +73,8 @@ export class Statistics {
   }
 
   #reveal() {
-    if (!this.#panel.open) return;
+    if (!this.#opened) return;
+    this.#opened = false;
     const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
     // The numbers below the charts can wait; so the points stay in sight, too.
     this.#panel.querySelector('.charts')?.scrollIntoView({ block: 'nearest', behavior: calm ? 'auto' : 'smooth' });
@@ -156,6 +161,7 @@ export class Statistics {
     );
     element('rho-exemplar').textContent = exemplar.relativeRadius.toFixed(3);
     element('rho-output').textContent = output.relativeRadius.toFixed(3);
+    this.#reveal();
     if (this.#hooks.status() === 'finished') this.#hooks.announce(`Finished. ${verdict}`);
   }
 
