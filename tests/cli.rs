@@ -2,13 +2,15 @@
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "common/program.rs"]
+mod program;
+
 use std::fs;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
 
 use pointweave::formats::{ReadOptions, read, write_csv};
 use pointweave::{Boundary, PointPattern, gallery};
+use program::{Folder, run};
 
 /// The smallest run the parameters allow: these tests are about the command line, not about the picture.
 const TINY: [&str; 16] = [
@@ -30,50 +32,12 @@ const TINY: [&str; 16] = [
     "1",
 ];
 
-/// A folder of its own for one test, gone with it.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("pointweave-cli-{}-{test}", std::process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-
-    fn file(&self, name: &str, text: &str) -> String {
-        fs::write(self.0.join(name), text).unwrap();
-        self.path(name)
-    }
-
-    fn names(&self) -> Vec<String> {
-        let mut names: Vec<_> =
-            fs::read_dir(&self.0).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn run(arguments: &[&str], input: &[u8]) -> Output {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_pointweave"))
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // A command that refuses early may never read it.
-    let _ = child.stdin.take().unwrap().write_all(input);
-    child.wait_with_output().unwrap()
+/// What is in a folder.
+fn names(folder: &Folder) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(&folder.0).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
 }
 
 /// Runs a tiny synthesis that must succeed in silence; returns standard output.
@@ -129,7 +93,7 @@ fn every_format_goes_in_and_out() {
     assert_eq!(svg.matches("<circle").count(), result.len());
     assert!(svg.contains(&format!("<title>{} points", result.len())), "{svg:.300}");
     assert!(png.starts_with(b"\x89PNG"));
-    assert_eq!(folder.names(), ["in.csv", "out.SVG", "out.csv", "out.json", "out.png"], "no half-written files");
+    assert_eq!(names(&folder), ["in.csv", "out.SVG", "out.csv", "out.json", "out.png"], "no half-written files");
 
     // Standard streams carry the same, and a pipe sees no progress bar (`synth` asserts silence).
     let open = ["--boundary", "open"];
@@ -224,7 +188,7 @@ fn failures_end_with_1() {
     let kept = folder.file("kept.csv", "precious");
     refused(&["synth", &input, "-o", &kept], b"", 1, &["abc"]);
     assert_eq!(fs::read_to_string(&kept).unwrap(), "precious");
-    assert_eq!(folder.names(), ["in.csv", "kept.csv"]);
+    assert_eq!(names(&folder), ["in.csv", "kept.csv"]);
 }
 
 #[cfg(unix)]

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::PointPattern;
 use crate::analysis::{AnalysisError, Curves, Judge};
-use crate::engine::gpu::{self, Gpu, GpuError, OpenOptions};
+use crate::engine::gpu::{Gpu, probe};
 use crate::formats::{self, FormatError, ReadOptions, SvgStyle};
 use crate::gallery;
 use crate::method::{ParameterError, Parameters, Preset};
@@ -195,13 +195,6 @@ fn capital(sentence: &str) -> String {
 
 fn on_cpu(reason: &str) -> String {
     format!("{}. The processor computes instead.", capital(reason.trim_end_matches('.')))
-}
-
-/// A device that has passed the probe.
-async fn open() -> Result<Arc<Gpu>, GpuError> {
-    let gpu = Gpu::open(OpenOptions::default()).await?;
-    gpu::probe::probe(&gpu).await?;
-    Ok(gpu)
 }
 
 fn answered(response: Result<Response, Refusal>) -> Response {
@@ -434,7 +427,7 @@ impl Session {
         if self.devices_lost > 1 {
             return;
         }
-        if let Ok(gpu) = open().await {
+        if let Ok(gpu) = probe::open().await {
             let note = format!("{}. Going on with a fresh device from the last iteration.", capital(reason));
             self.change = Some((self.gpu_view(&gpu), Some(note)));
             self.use_gpu(Some(gpu));
@@ -457,7 +450,7 @@ impl Session {
                 None,
                 Some("WebGPU is only emulated in this browser, so the processor computes: it is faster.".to_owned()),
             ),
-            EngineChoice::Auto | EngineChoice::Gpu => match open().await {
+            EngineChoice::Auto | EngineChoice::Gpu => match probe::open().await {
                 Ok(gpu) => (Some(gpu), None),
                 Err(error) => (None, Some(on_cpu(&error.to_string()))),
             },

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use pointweave::engine::gpu::{self, DeviceInfo, Gpu, GpuError, OpenOptions};
+use pointweave::engine::gpu::{self, DeviceInfo, Gpu, GpuError};
 
 use crate::failure::Failure;
 
@@ -25,11 +25,7 @@ pub(crate) enum EngineArgument {
 
 /// A device that has passed the probe.
 pub(crate) fn open() -> Result<Arc<Gpu>, GpuError> {
-    pollster::block_on(async {
-        let gpu = Gpu::open(OpenOptions::default()).await?;
-        gpu::probe::probe(&gpu).await?;
-        Ok(gpu)
-    })
+    pollster::block_on(gpu::probe::open())
 }
 
 /// Whether there may be a GPU at all. Without one, the Vulkan loader and its software drivers only cost time, and they

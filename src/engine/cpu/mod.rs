@@ -121,7 +121,7 @@ impl CpuEngine {
         match &mut self.phase {
             Phase::Exemplar(exemplar) => {
                 if exemplar.advance(&self.seen, None) {
-                    if is_flat(exemplar) {
+                    if is_flat(&exemplar.image(0).1.inverse_deviation[..exemplar.channels()]) {
                         return Advance::Flat;
                     }
                     self.phase = Phase::Measured(exemplar.targets(self.setup.lags));
@@ -182,26 +182,24 @@ impl CpuEngine {
 /// Whether most filters of the first layer see nothing: a lattice blurred by a wide Gaussian is constant. What
 /// features are left there is the rounding of sums, and as Adam's steps are as long for small gradients as for large
 /// ones, following them would only stir the points. Ordinary patterns stay above a tenth of ε, lattices far below.
-fn is_flat(exemplar: &Evaluation<Float>) -> bool {
-    let (_, statistics) = exemplar.image(0);
+/// `inverse_deviations` are those of its channels, padding left out.
+pub(crate) fn is_flat(inverse_deviations: &[Float]) -> bool {
     let variance = |inverse_deviation: Float| 1.0 / f64::from(inverse_deviation).powi(2) - EPSILON;
-    let channels = exemplar.channels();
-    let seeing =
-        statistics.inverse_deviation[..channels].iter().filter(|&&inverse| variance(inverse) > 1e-3 * EPSILON).count();
-    2 * seeing < channels
+    let seeing = inverse_deviations.iter().filter(|&&inverse| variance(inverse) > 1e-3 * EPSILON).count();
+    2 * seeing < inverse_deviations.len()
 }
 
-/// Shifts rows and columns of the grid for an iteration. Every iteration has its own stream, so that a saved run
-/// needs no state of a generator.
+/// Shifts rows and columns of the grid for an iteration.
 fn jitter(setup: &ScaleSetup, iteration: u32, output: &mut Evaluation<Float>) {
-    let mut rng = jitter_rng(setup, iteration);
-    for shift in output.shifts_mut().iter_mut().flatten() {
-        *shift = rng.range(-setup.jitter_px, setup.jitter_px);
+    for (shift, value) in output.shifts_mut().iter_mut().flatten().zip(shifts(setup, iteration)) {
+        *shift = value;
     }
 }
 
-/// The generator of an iteration's jitter: first that of the rows, then that of the columns.
-pub(crate) fn jitter_rng(setup: &ScaleSetup, iteration: u32) -> Rng {
-    let ScaleSetup { seed, class, scale, .. } = *setup;
-    Rng::new(seed, Purpose::Jitter { class, scale, iteration })
+/// The shifts of an iteration in pixels, without end: first those of the rows, then those of the columns. Every
+/// iteration has its own stream, so that a saved run needs no state of a generator.
+pub(crate) fn shifts(setup: &ScaleSetup, iteration: u32) -> impl Iterator<Item = f64> {
+    let ScaleSetup { seed, class, scale, jitter_px, .. } = *setup;
+    let mut rng = Rng::new(seed, Purpose::Jitter { class, scale, iteration });
+    std::iter::repeat_with(move || rng.range(-jitter_px, jitter_px))
 }

@@ -134,10 +134,8 @@ impl Correlation {
         weight: f64,
         target: Option<&wgpu::Buffer>,
     ) -> Self {
-        let needs = needs(view, lags, real_channels);
-        let mut buffers = needs.iter().map(|&(label, numbers)| gpu.storage(label, numbers));
-        let mut next = || buffers.next().unwrap_or_else(|| gpu.storage("nothing", 0));
-        let [lines, spectra, slopes, slope_spectra, values, losses, roots] = std::array::from_fn(|_| next());
+        let [lines, spectra, slopes, slope_spectra, values, losses, roots] =
+            gpu.buffers(&needs(view, lags, real_channels));
 
         let [rows, columns] = plane_of(view, lags);
         let turns = |length: usize| {

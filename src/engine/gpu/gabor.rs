@@ -74,10 +74,7 @@ impl Gabor {
     /// For `points` points of which those from `first` on move; `margin` is how far the grid reaches beyond the
     /// domain, in exemplar units.
     pub(super) fn new(gpu: &Gpu, view: &View, margin: f64, [points, first]: [usize; 2], io: &Io) -> Self {
-        let needs = needs(view, points);
-        let mut buffers = needs.iter().map(|&(label, numbers)| gpu.storage(label, numbers));
-        let mut next = || buffers.next().unwrap_or_else(|| gpu.storage("nothing", 0));
-        let [starts, tables, slopes, cell_of, cell_starts, order, maps] = std::array::from_fn(|_| next());
+        let [starts, tables, slopes, cell_of, cell_starts, order, maps] = gpu.buffers(&needs(view, points));
 
         let (grid, wave) = (view.grid, view.wave);
         let [rows, columns] = window(&grid, &wave);

@@ -5,6 +5,7 @@ use std::fmt;
 use bytemuck::Pod;
 
 use super::device::Gpu;
+use super::plan::Need;
 use crate::engine::view::Stage;
 
 /// The files of `shaders/`, each named as its twin in `engine/cpu`.
@@ -173,7 +174,15 @@ impl Gpu {
         })
     }
 
-    /// The same, holding `values`.
+    /// One for each need, in their order.
+    pub(super) fn buffers<const N: usize>(&self, needs: &[Need]) -> [wgpu::Buffer; N] {
+        std::array::from_fn(|index| {
+            let (label, numbers) = needs.get(index).copied().unwrap_or(("nothing", 0));
+            self.storage(label, numbers)
+        })
+    }
+
+    /// A buffer that holds `values`.
     pub(super) fn upload<T: Pod>(&self, label: &'static str, values: &[T]) -> wgpu::Buffer {
         let buffer = self.storage(label, size_of_val(values).div_ceil(4));
         self.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(values));

@@ -36,8 +36,8 @@ use std::sync::{Arc, Mutex};
 use glam::DVec2;
 use web_time::Instant;
 
+use crate::engine::cpu;
 use crate::engine::cpu::adam::{Adam, correction};
-use crate::engine::cpu::{EPSILON, jitter_rng};
 use crate::engine::{Advance, ScaleSetup};
 use crate::synthesis::LossTerms;
 
@@ -305,7 +305,10 @@ impl GpuEngine {
             return Ok(Advance::Working);
         }
         let Some(bytes) = staging.take() else { return Ok(Advance::Waiting) };
-        if is_flat(&numbers(&bytes?), self.channels) {
+        // Four means and four inverse deviations take turns.
+        let moments = numbers(&bytes?);
+        let inverses = moments.chunks_exact(8).flat_map(|quad| &quad[4..]).take(self.channels).copied();
+        if cpu::is_flat(&inverses.collect::<Vec<f32>>()) {
             return Ok(Advance::Flat);
         }
         let targets = side.targets();
@@ -319,7 +322,8 @@ impl GpuEngine {
         gpu.queue.write_buffer(&io.moments, 0, bytemuck::cast_slice(&moments));
         let side =
             Evaluation::new(gpu, &self.network, &self.setup, view, [count, self.moving_from], &io, Some(&targets));
-        let staged = staged_bytes(count, count - self.moving_from);
+        let moving = count - self.moving_from;
+        let staged = staged(&io, self.moving_from, moving).iter().map(|(_, _, bytes)| bytes).sum();
         self.phase = Phase::Output(Box::new(Output {
             side,
             io,
@@ -462,8 +466,7 @@ impl Output {
         let mut shifts = Vec::with_capacity(iterations * len);
         let mut corrections = Vec::with_capacity(iterations);
         for index in 0..iterations as u32 {
-            let mut rng = jitter_rng(setup, self.handed_out + index);
-            shifts.extend((0..len).map(|_| rng.range(-setup.jitter_px, setup.jitter_px) as f32));
+            shifts.extend(cpu::shifts(setup, self.handed_out + index).take(len).map(|shift| shift as f32));
             corrections.push(correction(self.steps + index + 1).map(|value| value as f32));
         }
         gpu.queue.write_buffer(&self.io.shifts, 0, bytemuck::cast_slice(&shifts));
@@ -496,10 +499,6 @@ fn staged(io: &Io, first: usize, moving: usize) -> [(&wgpu::Buffer, u64, u64); 4
     ]
 }
 
-fn staged_bytes(_points: usize, moving: usize) -> u64 {
-    (24 * moving + 16 * LONGEST_BATCH + 16) as u64
-}
-
 /// Little-endian 32-bit numbers.
 fn numbers(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks_exact(4).map(|word| f32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
@@ -512,12 +511,4 @@ fn singles(points: &[DVec2]) -> Vec<[f32; 2]> {
 fn terms(values: &[f32]) -> LossTerms {
     let wide = |index: usize| f64::from(values[index]);
     LossTerms { gram: [wide(0), wide(1), wide(2)], correlation: wide(3) }
-}
-
-/// Whether most filters of the first layer see nothing; `moments` alternate four means and four inverse deviations.
-fn is_flat(moments: &[f32], channels: usize) -> bool {
-    let variance = |inverse: f32| 1.0 / f64::from(inverse).powi(2) - EPSILON;
-    let inverses = moments.chunks_exact(8).flat_map(|quad| &quad[4..]).take(channels);
-    let seeing = inverses.filter(|&&inverse| variance(inverse) > 1e-3 * EPSILON).count();
-    2 * seeing < channels
 }

@@ -108,10 +108,8 @@ pub(super) fn needs(view: &View, channels: usize, points: usize, with_gradient: 
 impl Io {
     /// Room for `points` points on the grid of `view`, no jitter.
     pub(super) fn new(gpu: &Gpu, view: &View, points: usize) -> Self {
-        let needs = needs(view, 0, points, false);
-        let mut buffers = needs.iter().map(|&(label, numbers)| gpu.storage(label, numbers));
-        let mut next = || buffers.next().unwrap_or_else(|| gpu.storage("nothing", 0));
-        let [points, progress, shifts, gradients, moments, corrections, losses] = std::array::from_fn(|_| next());
+        let [points, progress, shifts, gradients, moments, corrections, losses] =
+            gpu.buffers(&needs(view, 0, points, false));
         Self { points, progress, shifts, gradients, moments, corrections, losses }
     }
 }
