@@ -126,7 +126,7 @@ pub enum ClassOrder {
 }
 
 impl ClassOrder {
-    /// The classes of `exemplar` in this order.
+    /// The classes of `exemplar` that have points, in this order.
     #[must_use]
     pub fn of(self, exemplar: &PointPattern) -> Vec<usize> {
         let classes = exemplar.class_names().len();
@@ -138,12 +138,14 @@ impl ClassOrder {
             sizes[usize::from(class)] += size.map_or(0.0, |size| size.values[point]);
         }
         // Ties stay in the order of the exemplar.
-        sorting::order((0..classes).map(|class| match (self, size) {
+        let mut order = sorting::order((0..classes).map(|class| match (self, size) {
             (Self::File, _) => 0.0,
             (Self::LargestFirst, Some(_)) => -sizes[class] / f64::max(counts[class], 1.0),
             (Self::LargestFirst, None) => counts[class],
             (Self::MostFirst, _) => -counts[class],
-        }))
+        }));
+        order.retain(|&class| counts[class] > 0.0);
+        order
     }
 }
 
