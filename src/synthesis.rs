@@ -11,15 +11,17 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::analysis::Cloud;
+use crate::analysis::{AnalysisError, Cloud};
 use crate::engine::cpu::adam::Adam;
 use crate::engine::cpu::network::Network;
 use crate::engine::cpu::{CpuEngine, Float};
 use crate::engine::gpu::{Gpu, GpuEngine, GpuNetwork};
 use crate::engine::view::Stage;
 use crate::engine::{Advance, Engine, ScaleSetup};
+use crate::method::alignment::{align, mend};
 use crate::method::parameters::Start;
 use crate::method::repair::{Limits, keep_apart, relocate};
+use crate::method::restart::{shake, wrongness};
 use crate::method::schedule::converged;
 use crate::method::{ParameterError, Parameters, Schedule};
 use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
@@ -55,6 +57,10 @@ pub struct Progress {
     pub scale: usize,
     /// How many scales there are.
     pub scales: usize,
+    /// Which try at the worst regions; 0 is the way through all scales that comes before them.
+    pub restart: u32,
+    /// How many tries there may be.
+    pub restarts: u32,
     /// Iterations done on this scale.
     pub iteration: u32,
     /// Most iterations this scale may take.
@@ -164,6 +170,10 @@ pub struct Synthesis {
     /// Losses of the scale at hand, one an iteration.
     losses: Vec<f64>,
     total_iterations: u64,
+    /// Which try at the worst regions of the class at hand; 0 before the first.
+    restart: u32,
+    /// The least wrong points of the class at hand so far.
+    best: Option<Best>,
     finished: bool,
     /// Set by a resumed run until its engine is built.
     resumed: Option<Adam>,
@@ -177,8 +187,20 @@ pub struct Synthesis {
     told: VecDeque<Event>,
 }
 
+/// What a class looked like when it was least wrong.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Best {
+    /// How wrong it was: see [`wrongness`].
+    pub wrongness: f64,
+    /// Its points in exemplar units.
+    pub points: Vec<DVec2>,
+}
+
+/// Alignments at most, with relocations between them.
+const ALIGNMENTS: usize = 3;
+
 /// Version of [`SynthesisState`]'s layout.
-const STATE_VERSION: u32 = 1;
+const STATE_VERSION: u32 = 2;
 
 /// Everything needed to continue a run later, bit for bit. Taken between iterations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -202,6 +224,10 @@ pub struct SynthesisState {
     pub losses: Vec<f64>,
     /// Iterations done in the whole run.
     pub total_iterations: u64,
+    /// Which try at the worst regions of the class; 0 before the first.
+    pub restart: u32,
+    /// The least wrong points of the class, once there are tries.
+    pub best: Option<Best>,
     /// Whether everything is done.
     pub finished: bool,
     /// Adam's moments of the moving points.
@@ -246,6 +272,8 @@ impl Synthesis {
             scale: 0,
             losses: Vec::new(),
             total_iterations: 0,
+            restart: 0,
+            best: None,
             finished: false,
             resumed: None,
             engine: None,
@@ -531,21 +559,100 @@ impl Synthesis {
 
     /// Puts right what the losses hardly see, where the exemplar says that it is wrong.
     fn repair(&mut self) {
-        let Parameters { spacing_floor, relocation, boundary, .. } = self.parameters;
-        if spacing_floor == 0.0 && relocation == 0.0 {
+        let Parameters { spacing_floor, relocation, alignment, boundary, .. } = self.parameters;
+        let alignment = if self.scale + 1 == self.schedule.scales.len() { alignment } else { 0 };
+        if spacing_floor == 0.0 && relocation == 0.0 && alignment == 0 {
             return;
         }
-        let size = self.exemplar.domain().size_in_exemplar_units();
-        let exemplar = Cloud::new(self.exemplar_classes[..=self.class].concat(), size, self.exemplar.boundary());
-        let Some(limits) = exemplar.ok().as_ref().and_then(Limits::of) else { return };
+        let Ok(exemplar) = self.exemplar_so_far() else { return };
+        let Some(limits) = Limits::of(&exemplar) else { return };
         let first = self.moving_from();
-        if relocation > 0.0 {
-            let most = (relocation * (self.points.len() - first) as f64).ceil() as usize;
-            relocate(&mut self.points, first, self.output_size, boundary, limits, most);
+        let most = (relocation * (self.points.len() - first) as f64).ceil() as usize;
+        let relocate = |points: &mut [DVec2]| relocate(points, first, self.output_size, boundary, limits, most);
+        relocate(&mut self.points);
+        if alignment > 0 {
+            let classes = self.output_classes();
+            for _ in 0..ALIGNMENTS {
+                let before = self.points.clone();
+                align(&mut self.points, &classes, first, self.output_size, boundary, &exemplar, alignment);
+                mend(&mut self.points, &before, self.output_size, boundary, limits);
+                // One too many for its row now stands on another, and can go where one is missing.
+                if relocate(&mut self.points) == 0 {
+                    break;
+                }
+            }
         }
         if spacing_floor > 0.0 {
             keep_apart(&mut self.points, first, self.output_size, boundary, limits, spacing_floor);
         }
+    }
+
+    /// The exemplar's points of the class at hand and those before it.
+    fn exemplar_so_far(&self) -> Result<Cloud, AnalysisError> {
+        let size = self.exemplar.domain().size_in_exemplar_units();
+        let classes = &self.exemplar_classes[..=self.class];
+        let numbers = classes.iter().enumerate().flat_map(|(class, points)| points.iter().map(move |_| class as u16));
+        Cloud::new(classes.concat(), size, self.exemplar.boundary())?.with_classes(numbers.collect())
+    }
+
+    /// Class of every point there is.
+    fn output_classes(&self) -> Vec<u16> {
+        let mut classes = Vec::with_capacity(self.points.len());
+        for (class, &start) in self.class_starts.iter().enumerate() {
+            let end = self.class_starts.get(class + 1).copied().unwrap_or(self.points.len());
+            classes.extend(std::iter::repeat_n(class as u16, end - start));
+        }
+        classes
+    }
+
+    /// The scale from which the worst regions try again: the finer half, where structures are closed.
+    fn finer_half(&self) -> usize {
+        self.parameters.scales as usize / 2
+    }
+
+    /// Keeps the better of this try and the best before, and prepares another one if that is wanted and worth it.
+    fn try_again(&mut self) -> bool {
+        let first = self.moving_from();
+        let again = self.shaken(first);
+        match again {
+            Some(points) => {
+                self.points = points;
+                self.restart += 1;
+                self.scale = self.finer_half();
+            }
+            None => {
+                self.restart = 0;
+                self.best = None;
+            }
+        }
+        self.restart > 0
+    }
+
+    /// The points of another try; none when there is none. Leaves the best points where they are the last.
+    fn shaken(&mut self, first: usize) -> Option<Vec<DVec2>> {
+        if self.parameters.restarts == 0 {
+            return None;
+        }
+        let exemplar = self.exemplar_so_far().ok()?;
+        let limits = Limits::of(&exemplar)?;
+        let wrong = wrongness(&self.output_so_far().ok()?, &exemplar, limits);
+        match &self.best {
+            Some(best) if best.wrongness <= wrong => self.points[first..].copy_from_slice(&best.points),
+            _ => self.best = Some(Best { wrongness: wrong, points: self.points[first..].to_vec() }),
+        }
+        if self.restart == self.parameters.restarts {
+            return None;
+        }
+        let mut points = self.points.clone();
+        let purpose = Purpose::Restart { class: self.class as u16, restart: self.restart };
+        let mut rng = Rng::new(self.parameters.seed, purpose);
+        let shaken = shake(&mut points, first, &self.output_so_far().ok()?, &exemplar, limits, &mut rng);
+        (shaken > 0).then_some(points)
+    }
+
+    /// The output's points of the class at hand and those before it.
+    fn output_so_far(&self) -> Result<Cloud, AnalysisError> {
+        Cloud::new(self.points.clone(), self.output_size, self.parameters.boundary)?.with_classes(self.output_classes())
     }
 
     fn end_scale(&mut self) -> Event {
@@ -558,7 +665,7 @@ impl Synthesis {
         }
         self.losses.clear();
         self.scale += 1;
-        if self.scale == self.schedule.scales.len() {
+        if self.scale == self.schedule.scales.len() && !self.try_again() {
             self.scale -= 1;
             self.class += 1;
             if self.class == self.classes() {
@@ -620,11 +727,7 @@ impl Synthesis {
             // The last digit may round over the border.
             .map(|&point| (domain.min() + point * unit).clamp(output_domain.min(), output_domain.max()))
             .collect();
-        let mut classes = Vec::with_capacity(self.points.len());
-        for (class, &start) in self.class_starts.iter().enumerate() {
-            let end = self.class_starts.get(class + 1).copied().unwrap_or(self.points.len());
-            classes.extend(std::iter::repeat_n(class as u16, end - start));
-        }
+        let classes = self.output_classes();
         let sources = self.attribute_sources();
         let mut output = PointPattern::new(output_domain, positions)?
             .with_boundary(self.parameters.boundary)
@@ -663,8 +766,13 @@ impl Synthesis {
         let scales = &self.schedule.scales;
         // Work grows with the pixels of the grid.
         let work = |scale: usize| f64::from(scales[scale].iterations) * scales[scale].resolution.powi(2);
-        let all: f64 = (0..scales.len()).map(work).sum();
-        let before: f64 = (0..self.scale).map(work).sum();
+        let span = |from: usize, to: usize| (from..to).map(work).sum::<f64>();
+        let (whole, again) = (span(0, scales.len()), span(self.finer_half(), scales.len()));
+        let all = whole + f64::from(self.parameters.restarts) * again;
+        let before = match self.restart {
+            0 => span(0, self.scale),
+            restart => whole + f64::from(restart - 1) * again + span(self.finer_half(), self.scale),
+        };
         let limit = scales[self.scale].iterations;
         let iteration = self.losses.len() as u32;
         let current = work(self.scale) * f64::from(iteration) / f64::from(limit);
@@ -674,6 +782,8 @@ impl Synthesis {
             classes: self.classes(),
             scale: self.scale,
             scales: scales.len(),
+            restart: self.restart,
+            restarts: self.parameters.restarts,
             iteration,
             iterations: limit,
             total_iterations: self.total_iterations,
@@ -712,6 +822,8 @@ impl Synthesis {
             iterations: self.schedule.scales[self.scale].iterations,
             losses: self.losses.clone(),
             total_iterations: self.total_iterations,
+            restart: self.restart,
+            best: self.best.clone(),
             finished: self.finished,
             adam,
         }
@@ -765,6 +877,16 @@ impl Synthesis {
         {
             return refuse("its optimiser holds a value that is not allowed".to_owned());
         }
+        if state.restart > run.parameters.restarts || (state.restart > 0 && state.best.is_none()) {
+            return refuse(format!("it is at try {}, but there are {}", state.restart, run.parameters.restarts));
+        }
+        if let Some(best) = &state.best
+            && (best.points.len() != moving || !best.points.iter().all(inside) || best.wrongness.is_nan())
+        {
+            return refuse("its best points so far are not those of this class".to_owned());
+        }
+        run.restart = state.restart;
+        run.best = state.best;
         run.points = state.points;
         run.class = state.class;
         run.scale = state.scale;

@@ -1,8 +1,10 @@
 //! The method of Huang et al. 2022 as data and arithmetic both engines share. No I/O and no device in here.
 
+pub mod alignment;
 pub mod filters;
 pub mod parameters;
 pub mod repair;
+pub mod restart;
 pub mod schedule;
 
 pub use filters::FilterBank;
