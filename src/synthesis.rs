@@ -11,15 +11,17 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::analysis::Cloud;
+use crate::analysis::{AnalysisError, Cloud};
 use crate::engine::cpu::adam::Adam;
 use crate::engine::cpu::network::Network;
 use crate::engine::cpu::{CpuEngine, Float};
 use crate::engine::gpu::{Gpu, GpuEngine, GpuNetwork};
 use crate::engine::view::Stage;
 use crate::engine::{Advance, Engine, ScaleSetup};
+use crate::method::alignment::{align, mend};
 use crate::method::parameters::Start;
 use crate::method::repair::{Limits, keep_apart, relocate};
+use crate::method::restart::{shake, wrongness};
 use crate::method::schedule::converged;
 use crate::method::{ParameterError, Parameters, Schedule, Weights, bands};
 use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
@@ -57,6 +59,10 @@ pub struct Progress {
     pub scale: usize,
     /// How many scales there are.
     pub scales: usize,
+    /// Which try at the worst regions; 0 is the way through all scales that comes before them.
+    pub restart: u32,
+    /// How many tries there may be.
+    pub restarts: u32,
     /// Iterations done on this scale.
     pub iteration: u32,
     /// Most iterations this scale may take.
@@ -177,6 +183,10 @@ pub struct Synthesis {
     /// Losses of the scale at hand, one an iteration.
     losses: Vec<f64>,
     total_iterations: u64,
+    /// Which try at the worst regions of the class at hand; 0 before the first.
+    restart: u32,
+    /// The least wrong points of the class at hand so far.
+    best: Option<Best>,
     finished: bool,
     /// Set by a resumed run until its engine is built.
     resumed: Option<Adam>,
@@ -190,8 +200,23 @@ pub struct Synthesis {
     told: VecDeque<Event>,
 }
 
+/// What a class looked like when it was least wrong.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Best {
+    /// How wrong it was: see [`wrongness`].
+    pub wrongness: f64,
+    /// Its points in exemplar units.
+    pub points: Vec<DVec2>,
+    /// For every one the exemplar point whose attributes it carries.
+    #[serde(default)]
+    pub sources: Vec<usize>,
+}
+
+/// Alignments at most, with relocations between them.
+const ALIGNMENTS: usize = 3;
+
 /// Version of [`SynthesisState`]'s layout.
-const STATE_VERSION: u32 = 2;
+const STATE_VERSION: u32 = 3;
 
 /// Everything needed to continue a run later, bit for bit. Taken between iterations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -205,7 +230,7 @@ pub struct SynthesisState {
     pub parameters: Parameters,
     /// Output points in exemplar units, class after class as they are placed.
     pub points: Vec<DVec2>,
-    /// For every output point the exemplar point whose attributes it carries. (States of version 1 have none; they
+    /// For every output point the exemplar point whose attributes it carries. (States before version 3 have none; they
     /// are refused for their version.)
     #[serde(default)]
     pub sources: Vec<usize>,
@@ -219,6 +244,10 @@ pub struct SynthesisState {
     pub losses: Vec<f64>,
     /// Iterations done in the whole run.
     pub total_iterations: u64,
+    /// Which try at the worst regions of the class; 0 before the first.
+    pub restart: u32,
+    /// The least wrong points of the class, once there are tries.
+    pub best: Option<Best>,
     /// Whether everything is done.
     pub finished: bool,
     /// Adam's moments of the moving points.
@@ -267,6 +296,8 @@ impl Synthesis {
             scale: 0,
             losses: Vec::new(),
             total_iterations: 0,
+            restart: 0,
+            best: None,
             finished: false,
             resumed: None,
             engine: None,
@@ -623,25 +654,102 @@ impl Synthesis {
     /// Puts right what the losses hardly see, where the exemplar says that it is wrong: the moving points' places, and
     /// whose values they carry. Nothing computes meanwhile; the next scale starts from what it leaves.
     fn repair(&mut self) {
-        let Parameters { spacing_floor, relocation, boundary, .. } = self.parameters;
-        if spacing_floor == 0.0 && relocation == 0.0 {
+        let Parameters { spacing_floor, relocation, alignment, boundary, .. } = self.parameters;
+        let alignment = if self.scale + 1 == self.schedule.scales.len() { alignment } else { 0 };
+        if spacing_floor == 0.0 && relocation == 0.0 && alignment == 0 {
             return;
         }
-        let size = self.exemplar.domain().size_in_exemplar_units();
-        let exemplar = Cloud::new(
-            self.seen().iter().map(|&point| self.positions[point]).collect(),
-            size,
-            self.exemplar.boundary(),
-        );
-        let Some(limits) = exemplar.ok().as_ref().and_then(Limits::of) else { return };
+        let Ok(exemplar) = self.exemplar_so_far() else { return };
+        let Some(limits) = Limits::of(&exemplar) else { return };
         let first = self.moving_from();
-        if relocation > 0.0 {
-            let most = (relocation * (self.points.len() - first) as f64).ceil() as usize;
-            relocate(&mut self.points, first, self.output_size, boundary, limits, most);
+        let most = (relocation * (self.points.len() - first) as f64).ceil() as usize;
+        let relocate = |points: &mut [DVec2]| relocate(points, first, self.output_size, boundary, limits, most);
+        relocate(&mut self.points);
+        if alignment > 0 {
+            let classes = self.classes_of(&self.sources);
+            for _ in 0..ALIGNMENTS {
+                let before = self.points.clone();
+                align(&mut self.points, &classes, first, self.output_size, boundary, &exemplar, alignment);
+                mend(&mut self.points, &before, self.output_size, boundary, limits);
+                // One too many for its row now stands on another, and can go where one is missing.
+                if relocate(&mut self.points) == 0 {
+                    break;
+                }
+            }
         }
         if spacing_floor > 0.0 {
             keep_apart(&mut self.points, first, self.output_size, boundary, limits, spacing_floor);
         }
+    }
+
+    /// The exemplar's points of the class at hand and those before it.
+    fn exemplar_so_far(&self) -> Result<Cloud, AnalysisError> {
+        let size = self.exemplar.domain().size_in_exemplar_units();
+        let seen = self.seen();
+        let points = seen.iter().map(|&point| self.positions[point]).collect();
+        Cloud::new(points, size, self.exemplar.boundary())?.with_classes(self.classes_of(&seen))
+    }
+
+    /// The class of each of these exemplar points.
+    fn classes_of(&self, sources: &[usize]) -> Vec<u16> {
+        sources.iter().map(|&source| self.exemplar.classes()[source]).collect()
+    }
+
+    /// The scale from which the worst regions try again: the finer half, where structures are closed.
+    fn finer_half(&self) -> usize {
+        self.parameters.scales as usize / 2
+    }
+
+    /// Keeps the better of this try and the best before, and prepares another one if that is wanted and worth it.
+    fn try_again(&mut self) -> bool {
+        let first = self.moving_from();
+        let again = self.shaken(first);
+        match again {
+            Some(points) => {
+                self.points = points;
+                self.restart += 1;
+                self.scale = self.finer_half();
+            }
+            None => {
+                self.restart = 0;
+                self.best = None;
+            }
+        }
+        self.restart > 0
+    }
+
+    /// The points of another try; none when there is none. Leaves the best points where they are the last.
+    fn shaken(&mut self, first: usize) -> Option<Vec<DVec2>> {
+        if self.parameters.restarts == 0 {
+            return None;
+        }
+        let exemplar = self.exemplar_so_far().ok()?;
+        let limits = Limits::of(&exemplar)?;
+        let wrong = wrongness(&self.output_so_far().ok()?, &exemplar, limits);
+        match &self.best {
+            Some(best) if best.wrongness <= wrong => {
+                self.points[first..].copy_from_slice(&best.points);
+                self.sources[first..].copy_from_slice(&best.sources);
+            }
+            _ => {
+                let (points, sources) = (self.points[first..].to_vec(), self.sources[first..].to_vec());
+                self.best = Some(Best { wrongness: wrong, points, sources });
+            }
+        }
+        if self.restart == self.parameters.restarts {
+            return None;
+        }
+        let mut points = self.points.clone();
+        let purpose = Purpose::Restart { class: self.class() as u16, restart: self.restart };
+        let mut rng = Rng::new(self.parameters.seed, purpose);
+        let shaken = shake(&mut points, first, &self.output_so_far().ok()?, &exemplar, limits, &mut rng);
+        (shaken > 0).then_some(points)
+    }
+
+    /// The output's points of the class at hand and those before it.
+    fn output_so_far(&self) -> Result<Cloud, AnalysisError> {
+        Cloud::new(self.points.clone(), self.output_size, self.parameters.boundary)?
+            .with_classes(self.classes_of(&self.sources))
     }
 
     fn end_scale(&mut self) -> Event {
@@ -654,7 +762,7 @@ impl Synthesis {
         }
         self.losses.clear();
         self.scale += 1;
-        if self.scale == self.schedule.scales.len() {
+        if self.scale == self.schedule.scales.len() && !self.try_again() {
             self.scale -= 1;
             self.turn += 1;
             if self.turn == self.classes() {
@@ -737,8 +845,13 @@ impl Synthesis {
         let scales = &self.schedule.scales;
         // Work grows with the pixels of the grid.
         let work = |scale: usize| f64::from(scales[scale].iterations) * scales[scale].resolution.powi(2);
-        let all: f64 = (0..scales.len()).map(work).sum();
-        let before: f64 = (0..self.scale).map(work).sum();
+        let span = |from: usize, to: usize| (from..to).map(work).sum::<f64>();
+        let (whole, again) = (span(0, scales.len()), span(self.finer_half(), scales.len()));
+        let all = whole + f64::from(self.parameters.restarts) * again;
+        let before = match self.restart {
+            0 => span(0, self.scale),
+            restart => whole + f64::from(restart - 1) * again + span(self.finer_half(), self.scale),
+        };
         let limit = scales[self.scale].iterations;
         let iteration = self.losses.len() as u32;
         let current = work(self.scale) * f64::from(iteration) / f64::from(limit);
@@ -749,6 +862,8 @@ impl Synthesis {
             classes: self.classes(),
             scale: self.scale,
             scales: scales.len(),
+            restart: self.restart,
+            restarts: self.parameters.restarts,
             iteration,
             iterations: limit,
             total_iterations: self.total_iterations,
@@ -788,6 +903,8 @@ impl Synthesis {
             iterations: self.schedule.scales[self.scale].iterations,
             losses: self.losses.clone(),
             total_iterations: self.total_iterations,
+            restart: self.restart,
+            best: self.best.clone(),
             finished: self.finished,
             adam,
         }
@@ -841,10 +958,25 @@ impl Synthesis {
         {
             return refuse("its optimiser holds a value that is not allowed".to_owned());
         }
+        if state.restart > run.parameters.restarts || (state.restart > 0 && state.best.is_none()) {
+            return refuse(format!("it is at try {}, but there are {}", state.restart, run.parameters.restarts));
+        }
+        run.restart = state.restart;
         run.points = state.points;
         if let Err(reason) = run.check_sources(&state.sources) {
             return refuse(format!("of the values that its points carry, {reason}"));
         }
+        if let Some(best) = &state.best
+            && (best.points.len() != moving || !best.points.iter().all(inside) || best.wrongness.is_nan())
+        {
+            return refuse("its best points so far are not those of this class".to_owned());
+        }
+        if let Some(best) = &state.best
+            && let Err(reason) = run.check_sources(&[&state.sources[..start - moving], &best.sources].concat())
+        {
+            return refuse(format!("of the values that its best points carry, {reason}"));
+        }
+        run.best = state.best;
         run.sources = state.sources;
         run.turn = turn;
         run.scale = state.scale;

@@ -66,13 +66,15 @@ pub enum Preset {
     Fast,
     /// A minute or two: more channels, more iterations.
     Balanced,
+    /// As good as it gets: many minutes.
+    Best,
     /// The numbers of Huang et al. 2022.
     Paper,
 }
 
 impl Preset {
     /// All presets, quickest first.
-    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Paper];
+    pub const ALL: [Self; 4] = [Self::Fast, Self::Balanced, Self::Best, Self::Paper];
 
     /// The name used in files, links and on the command line.
     #[must_use]
@@ -80,6 +82,7 @@ impl Preset {
         match self {
             Self::Fast => "fast",
             Self::Balanced => "balanced",
+            Self::Best => "best",
             Self::Paper => "paper",
         }
     }
@@ -92,7 +95,7 @@ impl Preset {
         Self::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| ParameterError::Choice {
             name: "preset",
             value: name.to_owned(),
-            choices: "fast, balanced, paper",
+            choices: "fast, balanced, best, paper",
         })
     }
 }
@@ -244,6 +247,12 @@ pub struct Parameters {
     pub spacing_floor: f64,
     /// After each scale this share of the points at most goes from crowds into holes, where the exemplar has neither.
     pub relocation: f64,
+    /// After the last scale neighbourhoods that nearly match one of the exemplar's are made to match, in this many
+    /// rounds at most.
+    pub alignment: u32,
+    /// How often the regions that came out worst are shaken and go through the finer half of the ladder again; what does
+    /// not become better is undone.
+    pub restarts: u32,
     /// A scale may stop early only after this many iterations; also the window of the convergence test.
     pub convergence_window: u32,
     /// A scale stops when the last window brought less than this share of its whole decrease.
@@ -293,7 +302,7 @@ impl Range {
 
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
-    pub const RANGES: [Range; 27] = [
+    pub const RANGES: [Range; 29] = [
         real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
         real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
         whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
@@ -344,6 +353,8 @@ impl Parameters {
             "Points keep this share of the exemplar's smallest distance; 0 lets them meet.",
         ),
         real("relocation", 0.0, 0.5, "Share of points that may go from crowds into holes after each scale."),
+        whole("alignment", 0.0, 1000.0, "Rounds in which nearly right neighbourhoods are made right at the end."),
+        whole("restarts", 0.0, 100.0, "How often the regions that came out worst get another try."),
         whole("convergence-window", 10.0, 5000.0, "Iterations a scale runs at least, and looks back over."),
         real("convergence-tolerance", 0.0, 1.0, "A scale ends when its last window brought less than this share."),
     ];
@@ -376,6 +387,8 @@ impl Parameters {
             self.iterations_polish.into(),
             self.spacing_floor,
             self.relocation,
+            self.alignment.into(),
+            self.restarts.into(),
             self.convergence_window.into(),
             self.convergence_tolerance,
         ]
@@ -415,31 +428,36 @@ impl Parameters {
             iterations_polish: 0,
             spacing_floor: 0.0,
             relocation: 0.0,
+            alignment: 0,
+            restarts: 0,
             convergence_window: 100,
             convergence_tolerance: 0.01,
         };
         match preset {
             Preset::Paper => paper,
+            // What other tries at the worst regions bring is more than what as much time in a larger network brings.
             Preset::Balanced => Self {
-                margin_sigmas: 2.0,
+                iterations_coarse: 300,
+                iterations_fine: 120,
+                iterations_polish: 80,
+                alignment: 40,
+                restarts: 3,
+                ..Self::preset(Preset::Fast)
+            },
+            Preset::Best => Self {
                 channels: 48,
-                sigma_coarse_cells: 1.16,
-                coarse_sigma_px: 7.0,
-                fine_sigma_px: 2.5,
                 pixels_per_spacing: 8.0,
                 grid_min: 48,
                 grid_max: 160,
-                learning_rate_coarse: 0.04,
-                learning_rate_fine: 0.04,
-                learning_rate_unit: LearningRateUnit::Sigma,
                 iterations_coarse: 400,
                 iterations_fine: 200,
                 iterations_polish: 120,
-                spacing_floor: 1.0,
-                relocation: 0.1,
-                ..paper
+                alignment: 60,
+                restarts: 8,
+                ..Self::preset(Preset::Fast)
             },
             Preset::Fast => Self {
+                class_maps: ClassMaps::Separate,
                 margin_sigmas: 2.0,
                 channels: 32,
                 sigma_coarse_cells: 1.16,
@@ -447,7 +465,7 @@ impl Parameters {
                 fine_sigma_px: 2.5,
                 pixels_per_spacing: 7.0,
                 grid_min: 32,
-                grid_max: 128,
+                grid_max: 96,
                 learning_rate_coarse: 0.04,
                 learning_rate_fine: 0.04,
                 learning_rate_unit: LearningRateUnit::Sigma,
@@ -456,6 +474,7 @@ impl Parameters {
                 iterations_polish: 60,
                 spacing_floor: 1.0,
                 relocation: 0.1,
+                alignment: 20,
                 ..paper
             },
         }

@@ -188,11 +188,13 @@ function onBatch(batch) {
  */
 function showProgress(iterationsPerSecond, secondsLeft) {
   if (!progress) return;
-  const { class: klass, turn, classes, scale, scales, iteration, iterations, totalIterations, done } = progress;
+  const { class: klass, turn, classes, scale, scales, restart, restarts, iteration, iterations } = progress;
+  const { totalIterations, done } = progress;
   const finished = run.status === 'finished';
   const playing = run.status === 'playing';
   const part = classes > 1 ? `Class ${turn + 1} of ${classes} (${classNames[klass] ?? ''}) · ` : '';
-  element('fact-scale').textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}`;
+  const again = restart > 0 ? ` · Mending the worst, ${restart} of ${restarts}` : '';
+  element('fact-scale').textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}${again}`;
   element('fact-iteration').textContent = `Iteration ${totalIterations}`;
   engine.speed = playing ? iterationsPerSecond : null;
   element('fact-left').textContent =

@@ -15,7 +15,7 @@ use crate::{process, requirements};
 /// not fit has to become smaller or stay out.
 const GZIP_BUDGET: usize = 400_000;
 
-const TRIPLE: &str = "wasm32-unknown-unknown";
+pub(crate) const TRIPLE: &str = "wasm32-unknown-unknown";
 const MODULE: &str = "pointweave_bg.wasm";
 
 /// Options of `cargo xtask build`.
@@ -90,6 +90,7 @@ fn gzip_size(bytes: &[u8]) -> Result<usize> {
 
 /// Compiles the crate and writes `pointweave.js` and its module into `folder`.
 fn compile(folder: &Path, bench: bool) -> Result<()> {
+    requirements::provide_target(TRIPLE)?;
     let mut command = process::cargo();
     command.args(["build", "--locked", "--profile", "wasm", "--target", TRIPLE, "--lib"]);
     if bench {

@@ -31,8 +31,10 @@ impl From<BoundaryArgument> for Boundary {
 pub(crate) enum PresetArgument {
     /// Seconds: few channels, a grid just fine enough.
     Fast,
-    /// A minute or two: more channels, more iterations.
+    /// A minute or two: more iterations, and another try at the worst regions.
     Balanced,
+    /// Many minutes: more channels, a finer grid, and many tries at the worst regions.
+    Best,
     /// The numbers of the paper, on its fine grid: long.
     Paper,
 }
@@ -42,6 +44,7 @@ impl From<PresetArgument> for Preset {
         match argument {
             PresetArgument::Fast => Self::Fast,
             PresetArgument::Balanced => Self::Balanced,
+            PresetArgument::Best => Self::Best,
             PresetArgument::Paper => Self::Paper,
         }
     }
@@ -122,7 +125,8 @@ fn number(name: &str, text: &str) -> Result<Value, Failure> {
 /// The names, ranges and meanings of all numeric parameters, for the help.
 pub(crate) fn describe_parameters() -> String {
     let defaults = Preset::ALL.map(|preset| serde_json::to_value(Parameters::preset(preset)).unwrap_or_default());
-    let mut text = String::from("Parameters for --set, with their range and what fast, balanced and paper use:\n");
+    let mut text =
+        String::from("Parameters for --set, with their range and what fast, balanced, best and paper use:\n");
     for range in Parameters::RANGES {
         let values: Vec<String> = defaults.iter().map(|fields| fields[range.name].to_string()).collect();
         let values =
