@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::domain::Boundary;
-use crate::pattern::PointPattern;
+use crate::pattern::{Meaning, PointPattern};
+use crate::sorting;
 
 /// A parameter outside its range.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -114,6 +115,56 @@ pub enum Start {
     WhiteNoise,
 }
 
+/// In which order the classes are placed; each sees those before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClassOrder {
+    /// As the exemplar lists them (the paper's).
+    #[default]
+    File,
+    /// By mean radius or scale, the largest first; where there is neither, fewest points first.
+    LargestFirst,
+    /// Most points first.
+    MostFirst,
+}
+
+impl ClassOrder {
+    /// The classes of `exemplar` that have points, in this order.
+    #[must_use]
+    pub fn of(self, exemplar: &PointPattern) -> Vec<usize> {
+        let classes = exemplar.class_names().len();
+        let mut counts = vec![0.0; classes];
+        let mut sizes = vec![0.0; classes];
+        let size = exemplar.attributes().iter().find(|attribute| attribute.meaning() == Meaning::Size);
+        for (point, &class) in exemplar.classes().iter().enumerate() {
+            counts[usize::from(class)] += 1.0;
+            sizes[usize::from(class)] += size.map_or(0.0, |size| size.values[point]);
+        }
+        // Ties stay in the order of the exemplar.
+        let mut order = sorting::order((0..classes).map(|class| match (self, size) {
+            (Self::File, _) => 0.0,
+            (Self::LargestFirst, Some(_)) => -sizes[class] / f64::max(counts[class], 1.0),
+            (Self::LargestFirst, None) => counts[class],
+            (Self::MostFirst, _) => -counts[class],
+        }));
+        order.retain(|&class| counts[class] > 0.0);
+        order
+    }
+}
+
+/// Whether the maps tell classes apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClassMaps {
+    /// All points in the same maps (the paper's).
+    #[default]
+    Pooled,
+    /// The class that moves has maps of its own, those before it share some.
+    Separate,
+    /// Every class has maps of its own.
+    Each,
+}
+
 /// What a learning rate is a multiple of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -139,6 +190,12 @@ pub struct Parameters {
     pub seed: u64,
     /// How the output points start.
     pub start: Start,
+    /// In which order the classes are placed.
+    #[serde(default)]
+    pub class_order: ClassOrder,
+    /// Whether the maps tell classes apart.
+    #[serde(default)]
+    pub class_maps: ClassMaps,
     /// Output channels of every random convolution.
     pub channels: u32,
     /// Sampling grid: pixels per mean spacing d, before the clamp to `grid_min` … `grid_max`.
@@ -346,6 +403,8 @@ impl Parameters {
             boundary: Boundary::Open,
             seed: 1,
             start: Start::PoissonDisk,
+            class_order: ClassOrder::File,
+            class_maps: ClassMaps::Pooled,
             channels: 120,
             pixels_per_spacing: 9.0,
             grid_min: 128,

@@ -75,7 +75,7 @@
 /** @typedef {{ stacked: number, holes: number, border: number | null }} DefectsView */
 /** @typedef {Record<string, number | string>} Parameters */
 /**
- * @typedef {{ class: number, classes: number, scale: number, scales: number, restart: number, restarts: number,
+ * @typedef {{ class: number, turn: number, classes: number, scale: number, scales: number, restart: number, restarts: number,
  *   iteration: number, iterations: number, totalIterations: number, done: number }} Progress
  */
 /** @typedef {{ gram: [number, number, number], correlation: number }} LossTerms */

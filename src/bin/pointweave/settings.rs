@@ -137,7 +137,8 @@ pub(crate) fn describe_parameters() -> String {
         ));
     }
     text.push_str(
-        "  boundary [open, periodic]\n  start [poisson-disk, white-noise]\n  learning-rate-unit [output-side, sigma]\n",
+        "  boundary [open, periodic]\n  start [poisson-disk, white-noise]\n  learning-rate-unit [output-side, sigma]\n  \
+         class-order [file, largest-first, most-first]\n  class-maps [pooled, separate, each]\n",
     );
     text
 }
@@ -174,6 +175,8 @@ mod tests {
             ("frequency", "NaN", "between 0 and 16"),
             ("seed", "-1", "between 0"),
             ("start", "grid", "unknown variant `grid`"),
+            ("class-order", "a-first", "`file`, `largest-first`, `most-first`"),
+            ("class-maps", "own", "`pooled`, `separate`, `each`"),
         ] {
             let message = set(name, value).err().unwrap_or_default();
             assert!(message.contains(words), "{name}={value} says {message:?}");
