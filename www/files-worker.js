@@ -23,7 +23,8 @@ const refusal = (message) => ({ type: 'error', message, place: null });
 /** @param {BlobOptions} options */
 function findBlobs(options) {
   if (!picture) return refusal('no picture has been read yet');
-  const { width, height, data: pixels } = picture.image;
+  const { width, height, data } = picture.image;
+  const pixels = new Uint8Array(data.buffer, data.byteOffset, data.byteLength);
   return { ...answer({ type: 'blobs', width, height, pixels, options }), width, height };
 }
 
