@@ -695,11 +695,6 @@ impl Synthesis {
         self.sources.iter().map(|&source| self.exemplar.classes()[source]).collect()
     }
 
-    /// The scale from which the worst regions try again: the finer half, where structures are closed.
-    fn finer_half(&self) -> usize {
-        self.parameters.scales as usize / 2
-    }
-
     /// Keeps the better of this try and the best before, and prepares another one if that is wanted and worth it.
     fn try_again(&mut self) -> bool {
         let first = self.moving_from();
@@ -708,7 +703,7 @@ impl Synthesis {
             Some(points) => {
                 self.points = points;
                 self.restart += 1;
-                self.scale = self.finer_half();
+                self.scale = self.parameters.restart_scale();
             }
             None => {
                 self.restart = 0;
@@ -845,11 +840,11 @@ impl Synthesis {
         // Work grows with the pixels of the grid.
         let work = |scale: usize| f64::from(scales[scale].iterations) * scales[scale].resolution.powi(2);
         let span = |from: usize, to: usize| (from..to).map(work).sum::<f64>();
-        let (whole, again) = (span(0, scales.len()), span(self.finer_half(), scales.len()));
+        let (whole, again) = (span(0, scales.len()), span(self.parameters.restart_scale(), scales.len()));
         let all = whole + f64::from(self.parameters.restarts) * again;
         let before = match self.restart {
             0 => span(0, self.scale),
-            restart => whole + f64::from(restart - 1) * again + span(self.finer_half(), self.scale),
+            restart => whole + f64::from(restart - 1) * again + span(self.parameters.restart_scale(), self.scale),
         };
         let limit = scales[self.scale].iterations;
         let iteration = self.losses.len() as u32;
