@@ -233,13 +233,19 @@ fn arrays_and_drawings_go_in_and_arrays_come_out() {
     assert_eq!(pattern(&result).positions(), pattern(&synth(&[&csv], b"")).positions());
     // A drawing of the exemplar is an exemplar, in its own unit.
     let name = gallery::entries()[0].name;
-    for file in ["in.svg", "in.npy", "in.png"] {
+    for file in ["in.svg", "in.npy"] {
         let file = folder.path(file);
         assert!(run(&["gallery", name, "-o", &file], b"").status.success());
         let count = pattern(exemplar().as_bytes()).len();
         assert_eq!(pattern(&fs::read(&file).unwrap()).len(), count, "{file}");
         assert_eq!(pattern(&synth(&[&file, "--scale", "1"], b"")).len(), count, "{file}");
     }
+    // A picture has lost what goes on beyond the border of a tile, but not what lies within.
+    let picture = folder.path("in.png");
+    assert!(run(&["gallery", "blue-noise", "-o", &picture], b"").status.success());
+    let (seen, there) =
+        (pattern(&fs::read(&picture).unwrap()).len(), gallery::find("blue-noise").unwrap().exemplar().len());
+    assert!(seen >= there && seen < there + there / 2, "{seen} blobs of {there} points");
 }
 
 #[test]

@@ -230,7 +230,7 @@ fn json_that_is_refused() {
     refused("[{\"x\": 1}]", &["no 'y'"]);
     refused("[{\"x\": 1, \"y\": 0}, {\"x\": 1}]", &["point 2 of the list has no 'y'"]);
     refused("[{\"x\": 1, \"y\": 0}, {\"x\": 1, \"y\": 0, \"z\": 1}]", &["point 2", "'z'"]);
-    refused("{\"type\": \"FeatureCollection\", \"features\": []}", &["neither 'points' nor 'positions'", "'features'"]);
+    refused("{\"kind\": \"none we know\", \"features\": []}", &["neither 'points' nor 'positions'", "'features'"]);
     refused("{\"points\": 7}", &["'points' is a number"]);
     refused("{\"points\": [[0,0]], \"boundary\": \"torus\"}", &["\"torus\"", "\"periodic\""]);
     refused("{\"points\": [[0,0]], \"domain\": [0, 0, 1]}", &["'domain' must be [x0, y0, x1, y1]"]);
