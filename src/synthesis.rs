@@ -207,8 +207,7 @@ pub struct Best {
     pub wrongness: f64,
     /// Its points in exemplar units.
     pub points: Vec<DVec2>,
-    /// For every one the exemplar point whose attributes it carries.
-    #[serde(default)]
+    /// Which of the exemplar's points each takes its values from.
     pub sources: Vec<usize>,
 }
 
@@ -216,7 +215,7 @@ pub struct Best {
 const ALIGNMENTS: usize = 3;
 
 /// Version of [`SynthesisState`]'s layout.
-const STATE_VERSION: u32 = 3;
+const STATE_VERSION: u32 = 2;
 
 /// Everything needed to continue a run later, bit for bit. Taken between iterations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -230,7 +229,7 @@ pub struct SynthesisState {
     pub parameters: Parameters,
     /// Output points in exemplar units, class after class as they are placed.
     pub points: Vec<DVec2>,
-    /// For every output point the exemplar point whose attributes it carries. (States before version 3 have none; they
+    /// For every output point the exemplar point whose attributes it carries. (States of version 1 have none; they
     /// are refused for their version.)
     #[serde(default)]
     pub sources: Vec<usize>,
@@ -666,7 +665,7 @@ impl Synthesis {
         let relocate = |points: &mut [DVec2]| relocate(points, first, self.output_size, boundary, limits, most);
         relocate(&mut self.points);
         if alignment > 0 {
-            let classes = self.classes_of(&self.sources);
+            let classes = self.output_classes();
             for _ in 0..ALIGNMENTS {
                 let before = self.points.clone();
                 align(&mut self.points, &classes, first, self.output_size, boundary, &exemplar, alignment);
@@ -686,18 +685,14 @@ impl Synthesis {
     fn exemplar_so_far(&self) -> Result<Cloud, AnalysisError> {
         let size = self.exemplar.domain().size_in_exemplar_units();
         let seen = self.seen();
-        let points = seen.iter().map(|&point| self.positions[point]).collect();
-        Cloud::new(points, size, self.exemplar.boundary())?.with_classes(self.classes_of(&seen))
+        let positions = seen.iter().map(|&point| self.positions[point]).collect();
+        let classes = seen.iter().map(|&point| self.exemplar.classes()[point]).collect();
+        Cloud::new(positions, size, self.exemplar.boundary())?.with_classes(classes)
     }
 
-    /// The class of each of these exemplar points.
-    fn classes_of(&self, sources: &[usize]) -> Vec<u16> {
-        sources.iter().map(|&source| self.exemplar.classes()[source]).collect()
-    }
-
-    /// The scale from which the worst regions try again: the finer half, where structures are closed.
-    fn finer_half(&self) -> usize {
-        self.parameters.scales as usize / 2
+    /// Class of every point there is.
+    fn output_classes(&self) -> Vec<u16> {
+        self.sources.iter().map(|&source| self.exemplar.classes()[source]).collect()
     }
 
     /// Keeps the better of this try and the best before, and prepares another one if that is wanted and worth it.
@@ -708,7 +703,7 @@ impl Synthesis {
             Some(points) => {
                 self.points = points;
                 self.restart += 1;
-                self.scale = self.finer_half();
+                self.scale = self.parameters.restart_scale();
             }
             None => {
                 self.restart = 0;
@@ -748,8 +743,7 @@ impl Synthesis {
 
     /// The output's points of the class at hand and those before it.
     fn output_so_far(&self) -> Result<Cloud, AnalysisError> {
-        Cloud::new(self.points.clone(), self.output_size, self.parameters.boundary)?
-            .with_classes(self.classes_of(&self.sources))
+        Cloud::new(self.points.clone(), self.output_size, self.parameters.boundary)?.with_classes(self.output_classes())
     }
 
     fn end_scale(&mut self) -> Event {
@@ -846,11 +840,11 @@ impl Synthesis {
         // Work grows with the pixels of the grid.
         let work = |scale: usize| f64::from(scales[scale].iterations) * scales[scale].resolution.powi(2);
         let span = |from: usize, to: usize| (from..to).map(work).sum::<f64>();
-        let (whole, again) = (span(0, scales.len()), span(self.finer_half(), scales.len()));
+        let (whole, again) = (span(0, scales.len()), span(self.parameters.restart_scale(), scales.len()));
         let all = whole + f64::from(self.parameters.restarts) * again;
         let before = match self.restart {
             0 => span(0, self.scale),
-            restart => whole + f64::from(restart - 1) * again + span(self.finer_half(), self.scale),
+            restart => whole + f64::from(restart - 1) * again + span(self.parameters.restart_scale(), self.scale),
         };
         let limit = scales[self.scale].iterations;
         let iteration = self.losses.len() as u32;
@@ -961,20 +955,24 @@ impl Synthesis {
         if state.restart > run.parameters.restarts || (state.restart > 0 && state.best.is_none()) {
             return refuse(format!("it is at try {}, but there are {}", state.restart, run.parameters.restarts));
         }
-        run.restart = state.restart;
-        run.points = state.points;
-        if let Err(reason) = run.check_sources(&state.sources) {
-            return refuse(format!("of the values that its points carry, {reason}"));
-        }
         if let Some(best) = &state.best
-            && (best.points.len() != moving || !best.points.iter().all(inside) || best.wrongness.is_nan())
+            && (best.points.len() != moving
+                || best.sources.len() != moving
+                || !best.points.iter().all(inside)
+                || best.wrongness.is_nan())
         {
             return refuse("its best points so far are not those of this class".to_owned());
         }
-        if let Some(best) = &state.best
-            && let Err(reason) = run.check_sources(&[&state.sources[..start - moving], &best.sources].concat())
-        {
-            return refuse(format!("of the values that its best points carry, {reason}"));
+        run.restart = state.restart;
+        run.points = state.points;
+        let of_best = state
+            .best
+            .as_ref()
+            .map(|best| [state.sources.get(..start - moving).unwrap_or(&[]), &best.sources].concat());
+        for sources in [Some(&state.sources), of_best.as_ref()].into_iter().flatten() {
+            if let Err(reason) = run.check_sources(sources) {
+                return refuse(format!("of the values that its points carry, {reason}"));
+            }
         }
         run.best = state.best;
         run.sources = state.sources;

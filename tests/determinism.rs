@@ -114,7 +114,7 @@ fn states_that_do_not_fit_together_are_refused() {
         ("outside", |s| s.points[3].x = f64::NAN),
         ("scale", |s| s.scale = 40),
         ("try 1", |s| s.restart = 1),
-        ("best points", |s| s.best = Some(Best { wrongness: 0.1, points: Vec::new() })),
+        ("best points", |s| s.best = Some(Best { wrongness: 0.1, points: Vec::new(), sources: Vec::new() })),
         ("class", |s| s.class = 2),
         ("iterations", |s| s.iterations = 4000),
         ("losses", |s| s.losses.push(f64::NAN)),

@@ -2,6 +2,7 @@
 
 pub mod alignment;
 pub mod bands;
+pub mod cost;
 pub mod filters;
 pub mod parameters;
 pub mod repair;
@@ -9,6 +10,7 @@ pub mod restart;
 pub mod schedule;
 
 pub use bands::{Bands, Weights};
+pub use cost::Cost;
 pub use filters::FilterBank;
 pub use parameters::{ParameterError, Parameters, Preset};
 pub use schedule::{Scale, Schedule};
