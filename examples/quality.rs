@@ -14,7 +14,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use clap::Parser;
 use font8x8::{BASIC_FONTS, UnicodeFonts};
-use pointweave::analysis::{Comparison, Defects, Quality};
+use pointweave::analysis::{Comparison, Defects, MarkError, Quality};
 use pointweave::formats::style::Look;
 use pointweave::formats::{draw, encode_png};
 use pointweave::gallery::{self, Entry};
@@ -98,6 +98,11 @@ struct Outcome {
     /// The paper's, over its four patches, where there are enough points.
     chamfer: Option<f64>,
     wasserstein: Option<f64>,
+    /// Pair correlations of the classes, and mark correlations of the attributes, where there are any.
+    #[serde(default)]
+    classes: Option<MarkError>,
+    #[serde(default)]
+    marks: Option<MarkError>,
 }
 
 impl Outcome {
@@ -259,6 +264,8 @@ fn run(job: &Job, arguments: &Arguments) -> Result<Outcome> {
         pair_correlation_error: comparison.pair_correlation_error,
         chamfer: comparison.patches.as_ref().map(|patches| patches.chamfer),
         wasserstein: comparison.patches.as_ref().and_then(|patches| patches.wasserstein),
+        classes: comparison.marks.as_ref().and_then(|marks| marks.classes),
+        marks: comparison.marks.as_ref().and_then(|marks| marks.marks),
     };
     write_picture(draw_pair(job.entry, &exemplar, &output, &outcome.words())?, &job.file.with_extension("png"))?;
     // Last: a run without this file is done again.
@@ -280,7 +287,7 @@ fn table(outcomes: &[Outcome]) -> String {
         by_entry.entry(&outcome.entry).or_default().push(outcome);
     }
     type Column = (&'static str, fn(&Outcome) -> f64);
-    let columns: [Column; 14] = [
+    let columns: [Column; 18] = [
         ("quality", |o| o.quality.score),
         ("pairs", |o| o.quality.pair_density),
         ("precision", |o| o.quality.precision),
@@ -294,6 +301,10 @@ fn table(outcomes: &[Outcome]) -> String {
         ("PCF error", |o| o.pair_correlation_error),
         ("Chamfer", |o| o.chamfer.unwrap_or(f64::NAN)),
         ("Wasserstein", |o| o.wasserstein.unwrap_or(f64::NAN)),
+        ("class PCFs", |o| o.classes.map_or(f64::NAN, |one| one.error)),
+        ("at random", |o| o.classes.map_or(f64::NAN, |one| one.random)),
+        ("marks", |o| o.marks.map_or(f64::NAN, |one| one.error)),
+        ("at random", |o| o.marks.map_or(f64::NAN, |one| one.random)),
         ("seconds", |o| o.seconds),
     ];
     let mut table = String::from("| exemplar | seeds |");
@@ -323,7 +334,7 @@ fn table(outcomes: &[Outcome]) -> String {
     let _ = write!(table, "\n| **worst** | |");
     for (column, (name, _)) in columns.iter().enumerate() {
         let low_is_bad = column < 4;
-        let value = if name.starts_with('ρ') || *name == "independent" {
+        let value = if name.starts_with('ρ') || ["independent", "at random"].contains(name) {
             f64::NAN
         } else {
             worst(if low_is_bad { f64::min } else { f64::max }, column)

@@ -260,9 +260,9 @@ fn crowns_touch_nothing_and_the_young_stand_by_the_old() {
         let (places, radii) = (pattern.positions(), values(&pattern, "radius"));
         assert_eq!(radii.iter().filter(|&&radius| radius > 0.04).count(), 13);
         let gap = |i: usize, j: usize| offset(&pattern, places[i], places[j]).length() - radii[i] - radii[j];
-        for i in 0..places.len() {
+        for (i, &radius) in radii.iter().enumerate() {
             assert!((0..i).all(|j| gap(i, j) > 0.0), "seed {seed}: crown {i} touches another");
-            assert!(radii[i] > 0.04 || (0..13).any(|old| gap(i, old) < 0.045), "seed {seed}: {i} stands alone");
+            assert!(radius > 0.04 || (0..13).any(|old| gap(i, old) < 0.045), "seed {seed}: {i} stands alone");
         }
     }
 }

@@ -1,5 +1,7 @@
 //! An analysis as a picture: patterns, curves, maps and words on one SVG page.
 
+mod marks;
+
 use std::fmt::Write as _;
 
 use glam::DVec2;
@@ -137,6 +139,14 @@ struct Curve<'a> {
     width: f64,
 }
 
+/// Where a panel stands, labels included but not the line of its title.
+struct Room {
+    left: f64,
+    width: f64,
+    /// Of the curves.
+    height: f64,
+}
+
 /// A panel with axes.
 struct Panel {
     min: DVec2,
@@ -160,6 +170,7 @@ impl Page {
         page.patterns(sides, comparison);
         page.correlation_and_nearest(sides, scales)?;
         page.spectrum_and_ripley(sides, scales);
+        page.marks(sides, scales, comparison);
         page.maps(sides, scales)?;
         page.footer(scales, sides, comparison);
 
@@ -513,10 +524,27 @@ impl Page {
         log: bool,
     ) -> Panel {
         let width = (WIDTH - 2.0 * MARGIN - GAP) / 2.0;
+        let room = Room { left: MARGIN + column as f64 * (width + GAP), width, height: CURVE_HEIGHT };
+        self.panel_in(&room, title, across, up, x, y, log)
+    }
+
+    /// Axes, grid and labels anywhere.
+    #[expect(clippy::too_many_arguments, reason = "one call says all there is to say about a panel")]
+    fn panel_in(
+        &mut self,
+        room: &Room,
+        title: &str,
+        across: &str,
+        up: &str,
+        x: [f64; 2],
+        y: [f64; 2],
+        log: bool,
+    ) -> Panel {
         let labels = 54.0;
-        let min = DVec2::new(MARGIN + labels + column as f64 * (width + GAP), self.y + 16.0);
-        let panel = Panel { min, size: DVec2::new(width - labels, CURVE_HEIGHT), x, y, log };
-        self.text(DVec2::new(min.x - labels, self.y), "font-size=\"16\" font-weight=\"600\"", title);
+        let min = DVec2::new(room.left + labels, self.y + 16.0);
+        let panel = Panel { min, size: DVec2::new(room.width - labels, room.height), x, y, log };
+        let size = if room.height < CURVE_HEIGHT { 14 } else { 16 };
+        self.text(DVec2::new(room.left, self.y), &format!("font-size=\"{size}\" font-weight=\"600\""), title);
         let (right, bottom) = (min.x + panel.size.x, min.y + panel.size.y);
         let quiet = format!("font-size=\"12\" fill=\"{QUIET}\"");
         for (value, label) in ticks(panel.x, false) {

@@ -7,6 +7,9 @@ use crate::pattern::PointPattern;
 
 /// The attribute that, when a pattern has it, gives every disk its radius in the pattern's own unit.
 pub const RADIUS_ATTRIBUTE: &str = "radius";
+/// The attribute that, when a pattern has it, turns every glyph: degrees, counter-clockwise as one sees it, 0 to the
+/// right. 90 points up, towards smaller y, for y points down.
+pub const ORIENTATION_ATTRIBUTE: &str = "orientation";
 
 /// An opaque colour, 8 bits a channel, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
