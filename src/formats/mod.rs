@@ -32,8 +32,10 @@
 mod declaration;
 mod delimited;
 mod error;
+mod glyph;
 mod guess;
 mod json;
+mod outline;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod png;
 mod reference;
@@ -44,7 +46,9 @@ mod whitespace;
 
 pub use delimited::write_csv;
 pub use error::{FormatError, Place};
+pub use glyph::{Glyph, GlyphError, Polygon};
 pub use json::write_json;
+pub use outline::{MAX_PATH_LENGTH, MAX_PATH_SEGMENTS, Outline, OutlineError};
 #[cfg(not(target_arch = "wasm32"))]
 pub use png::{PngError, PngStyle, draw, encode_png, write_png};
 pub use svg::{SvgStyle, write_svg};

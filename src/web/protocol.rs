@@ -63,6 +63,17 @@ pub enum Request {
     Export {
         /// Which kind of file.
         format: ExportFormat,
+        /// In a picture, the glyphs chosen for classes, by the classes' names.
+        #[serde(default)]
+        glyphs: Map<String, Value>,
+        /// In a picture, the colours.
+        #[serde(default)]
+        palette: String,
+    },
+    /// The outline of a glyph, or what is wrong with its path. Answered by [`Response::Glyph`].
+    Glyph {
+        /// Its name, or `path:` and SVG path data.
+        name: String,
     },
     /// Everything needed to continue later. Answered by [`Response::Saved`].
     Save {},
@@ -165,6 +176,8 @@ pub enum Response {
         presets: Vec<PresetView>,
         /// Range and meaning of every numeric parameter.
         ranges: Vec<RangeView>,
+        /// What points can be drawn as.
+        glyphs: Vec<GlyphView>,
     },
     /// What computes from now on.
     Engine {
@@ -245,6 +258,11 @@ pub enum Response {
         /// How many points it holds.
         points: usize,
     },
+    /// A glyph's outline.
+    Glyph {
+        /// As [`GlyphView::outline`].
+        outline: String,
+    },
     /// Everything needed to continue later.
     Saved {
         /// For [`Request::Resume`].
@@ -317,6 +335,25 @@ pub struct GalleryEntryView {
     pub pattern: PatternView,
 }
 
+/// What points can be drawn as.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GlyphView {
+    /// Its name in requests.
+    pub name: String,
+    /// Its outline as SVG path data of `M`, `L`, `C` and `Z` with absolute coordinates, in radii, y downwards. Empty for
+    /// the disk and the ring, which are circles of radius 1.
+    pub outline: String,
+}
+
+/// How a class looks, nothing else being chosen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClassLookView {
+    /// Name of its glyph.
+    pub glyph: String,
+    /// Which of the eight colours.
+    pub color: usize,
+}
+
 /// A pattern as the page draws it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -325,6 +362,8 @@ pub struct PatternView {
     pub points: Points,
     /// Names of the classes.
     pub class_names: Vec<String>,
+    /// Their looks.
+    pub looks: Vec<ClassLookView>,
     /// Width and height in exemplar units.
     pub size: [f64; 2],
     /// Lower corner in the pattern's own unit.
@@ -347,6 +386,18 @@ pub struct Points {
     /// Class of every point; a `Uint16Array` on the page.
     #[serde(with = "typed_array::words")]
     pub classes: Vec<u16>,
+    /// Radius of every point in exemplar units; empty when the pattern gives none.
+    #[serde(with = "typed_array::floats")]
+    pub radii: Vec<f32>,
+    /// Size of every point against the exemplar's mean; empty when the pattern gives none.
+    #[serde(with = "typed_array::floats")]
+    pub scales: Vec<f32>,
+    /// Degrees every point is turned by, counter-clockwise as one sees it; empty when the pattern gives none.
+    #[serde(with = "typed_array::floats")]
+    pub turns: Vec<f32>,
+    /// How far behind every point stands; empty when the pattern gives none.
+    #[serde(with = "typed_array::floats")]
+    pub depths: Vec<f32>,
 }
 
 /// The statistics of one side.

@@ -8,14 +8,15 @@ use thiserror::Error;
 use crate::PointPattern;
 use crate::analysis::{AnalysisError, Curves, Judge};
 use crate::engine::gpu::{Gpu, probe};
-use crate::formats::{self, FormatError, ReadOptions, SvgStyle};
+use crate::formats::style::{self, Look, Palette};
+use crate::formats::{self, FormatError, Glyph, GlyphError, ReadOptions, SvgStyle};
 use crate::gallery;
 use crate::method::{ParameterError, Parameters, Preset};
 use crate::synthesis::{Event, Progress, Synthesis, SynthesisError, SynthesisState};
 
 use super::protocol::{
-    AdapterView, CurvesView, DefectsView, EngineChoice, EngineView, ExportFormat, GalleryEntryView, PatternView, Place,
-    Points, PresetView, QualityView, RangeView, Request, Response, Source,
+    AdapterView, ClassLookView, CurvesView, DefectsView, EngineChoice, EngineView, ExportFormat, GalleryEntryView,
+    GlyphView, PatternView, Place, Points, PresetView, QualityView, RangeView, Request, Response, Source,
 };
 
 /// Memory a run may take, in bytes. A 32-bit address space ends at 4 GB, a phone's patience well before.
@@ -51,6 +52,8 @@ enum Refusal {
     Save(serde_json::Error),
     #[error("no run has been started yet")]
     NoRun,
+    #[error(transparent)]
+    Glyph(#[from] GlyphError),
 }
 
 /// What is wrong, not where in a text that nobody sees.
@@ -71,8 +74,6 @@ impl Refusal {
 #[derive(Debug)]
 struct Run {
     synthesis: Synthesis,
-    /// Length of an exemplar unit in the exemplar's own unit.
-    unit: f64,
     /// Work since the last complete iteration, in milliseconds.
     pending_ms: f64,
     /// Iterations that came back since then: a device brings several at once.
@@ -93,11 +94,10 @@ fn smooth(old: Option<f64>, new: f64) -> Option<f64> {
 }
 
 impl Run {
-    fn new(synthesis: Synthesis, unit: f64) -> Self {
+    fn new(synthesis: Synthesis) -> Self {
         let done = synthesis.progress().done;
         Self {
             synthesis,
-            unit,
             pending_ms: 0.0,
             pending: 0,
             ms_per_iteration: None,
@@ -219,7 +219,10 @@ impl Session {
             Request::Start { exemplar, preset, overrides } => self.start(exemplar, &preset, overrides),
             Request::Run { budget_ms, max_iterations } => self.advance(budget_ms, max_iterations, now_ms),
             Request::Analyze {} => self.analyze(now_ms),
-            Request::Export { format } => self.export(format),
+            Request::Export { format, glyphs, palette } => self.export(format, &glyphs, &palette),
+            Request::Glyph { name } => Glyph::from_name(&name)
+                .map(|glyph| Response::Glyph { outline: glyph.path_data() })
+                .map_err(Refusal::from),
             Request::Save {} => self.save(),
             Request::Resume { state } => self.resume(&state),
         };
@@ -243,14 +246,13 @@ impl Session {
         self.change = self.gpu.as_ref().map(|gpu| (self.gpu_view(gpu), None));
         synthesis.use_gpu(self.gpu.clone(), DEVICE_MEMORY);
         let exemplar = synthesis.exemplar();
-        let unit = exemplar.domain().exemplar_unit();
         let response = Response::Started {
             exemplar: view(exemplar),
-            output: view_in_units(&synthesis.output()?, unit),
+            output: view_beside(&synthesis.output()?, exemplar),
             parameters: Box::new(synthesis.parameters().clone()),
             progress: synthesis.progress(),
         };
-        self.run = Some(Run::new(synthesis, unit));
+        self.run = Some(Run::new(synthesis));
         Ok(response)
     }
 
@@ -303,7 +305,7 @@ impl Session {
         let run = self.run.as_ref().ok_or(Refusal::NoRun)?;
         let progress: Progress = run.synthesis.progress();
         let moved = pull.moved || run.finished;
-        let points = if moved { Some(points(&run.synthesis.output()?, run.unit)) } else { None };
+        let points = if moved { Some(points(&run.synthesis.output()?, run.synthesis.exemplar())) } else { None };
         Ok(Response::Batch {
             events: pull.events,
             progress,
@@ -494,11 +496,19 @@ impl Session {
         }
     }
 
-    fn export(&self, format: ExportFormat) -> Result<Response, Refusal> {
+    fn export(&self, format: ExportFormat, glyphs: &Map<String, Value>, palette: &str) -> Result<Response, Refusal> {
         let output = self.run.as_ref().ok_or(Refusal::NoRun)?.synthesis.output()?;
         let text = match format {
             ExportFormat::Csv => formats::write_csv(&output),
-            ExportFormat::Svg => formats::write_svg(&output, &SvgStyle::default()),
+            ExportFormat::Svg => {
+                let glyphs = glyphs
+                    .iter()
+                    .map(|(class, name)| Ok((class.clone(), Glyph::from_name(name.as_str().unwrap_or_default())?)))
+                    .collect::<Result<_, GlyphError>>()?;
+                let palette = Palette::from_name(palette).unwrap_or_default();
+                let look = Look { glyphs, palette, ..Look::default() };
+                formats::write_svg(&output, &SvgStyle { look, ..SvgStyle::default() })
+            }
             ExportFormat::Json => formats::write_json(&output),
         };
         Ok(Response::Exported { format, text, points: output.len() })
@@ -592,7 +602,9 @@ fn describe() -> Response {
             meaning: range.meaning.to_owned(),
         })
         .collect();
-    Response::Description { version: env!("CARGO_PKG_VERSION").to_owned(), engine: cpu(), presets, ranges }
+    let view = |glyph: &Glyph| GlyphView { name: glyph.name().to_owned(), outline: glyph.path_data() };
+    let glyphs = Glyph::all().iter().map(view).collect();
+    Response::Description { version: env!("CARGO_PKG_VERSION").to_owned(), engine: cpu(), presets, ranges, glyphs }
 }
 
 fn list_gallery() -> Response {
@@ -609,15 +621,19 @@ fn list_gallery() -> Response {
 }
 
 fn view(pattern: &PointPattern) -> PatternView {
-    view_in_units(pattern, pattern.domain().exemplar_unit())
+    view_beside(pattern, pattern)
 }
 
 /// An output is measured in its exemplar's unit, not in its own.
-fn view_in_units(pattern: &PointPattern, unit: f64) -> PatternView {
+fn view_beside(pattern: &PointPattern, exemplar: &PointPattern) -> PatternView {
     let domain = pattern.domain();
-    let own_unit = domain.exemplar_unit();
+    let (unit, own_unit) = (exemplar.domain().exemplar_unit(), domain.exemplar_unit());
+    let points = points(pattern, exemplar);
+    let styles = style::class_styles(pattern.class_names(), !points.radii.is_empty());
+    let looks = styles.iter().map(|style| ClassLookView { glyph: style.glyph.name().to_owned(), color: style.color });
     PatternView {
-        points: points(pattern, unit),
+        points,
+        looks: looks.collect(),
         class_names: pattern.class_names().to_vec(),
         size: (domain.size() / unit).into(),
         min: domain.min().into(),
@@ -643,10 +659,19 @@ fn narrow(values: &[f64], factor: f64) -> Vec<f32> {
     values.iter().map(|value| (value * factor) as f32).collect()
 }
 
-fn points(pattern: &PointPattern, unit: f64) -> Points {
-    let min = pattern.domain().min();
+fn points(pattern: &PointPattern, exemplar: &PointPattern) -> Points {
+    let (min, unit) = (pattern.domain().min(), exemplar.domain().exemplar_unit());
     let positions = pattern.positions().iter().flat_map(|&point| ((point - min) / unit).as_vec2().to_array()).collect();
-    Points { positions, classes: pattern.classes().to_vec() }
+    let look = style::attribute_look(pattern, exemplar);
+    let narrow = |values: Vec<f64>| narrow(&values, 1.0);
+    Points {
+        positions,
+        classes: pattern.classes().to_vec(),
+        radii: narrow(look.radii),
+        scales: narrow(look.scales),
+        turns: narrow(look.turns),
+        depths: narrow(look.depths),
+    }
 }
 
 #[cfg(test)]
@@ -920,6 +945,78 @@ mod tests {
         }
         let batch = run(&mut session, 1);
         assert_eq!(batch["progress"]["totalIterations"], json!(2), "the run before is still there");
+    }
+
+    #[test]
+    fn patterns_of_things_come_with_their_looks() {
+        let mut session = Session::new();
+        let glyphs = ask(&mut session, json!({ "type": "describe" }))["glyphs"].clone();
+        let named = |name: &str| glyphs.as_array().unwrap().iter().find(|glyph| glyph["name"] == name).unwrap().clone();
+        assert_eq!(named("disk")["outline"], "");
+        assert!(named("house")["outline"].as_str().unwrap().starts_with("M0 -1.45L1.4 -0.2L"), "{glyphs}");
+
+        let gallery = ask(&mut session, json!({ "type": "gallery" }));
+        let pattern = |name: &str| {
+            let entries = gallery["entries"].as_array().unwrap();
+            entries.iter().find(|entry| entry["name"] == name).unwrap()["pattern"].clone()
+        };
+        let looks = &pattern("houses")["looks"];
+        assert_eq!(looks, &json!([{ "glyph": "house", "color": 1 }, { "glyph": "tree", "color": 2 }]));
+        assert_eq!(pattern("grove")["looks"], json!([{ "glyph": "disk", "color": 2 }]), "crowns have a radius");
+        let lengths = |name: &str| {
+            let points = pattern(name)["points"].clone();
+            ["radii", "scales", "turns", "depths"].map(|list| points[list].as_array().unwrap().len())
+        };
+        assert_eq!(lengths("houses"), [0; 4]);
+        assert_eq!(lengths("grove"), [91, 0, 0, 0]);
+        assert_eq!(lengths("boats"), [0, 0, 72, 0]);
+        assert_eq!(lengths("meadow"), [0, 118, 0, 118]);
+
+        // A file in metres: radii in exemplar units, scales against the exemplar's mean, on both sides.
+        let text = "# domain 0 0 40 20\nx,y,radius,scale\n1,1,4,10\n20,10,2,30\n30,5,1,20\n10,15,3,20\n";
+        let mut request = tiny(1);
+        request["exemplar"] = json!({ "source": "file", "name": "a.csv", "bytes": text.as_bytes() });
+        let started = ask(&mut session, request);
+        let list = |side: &str, name: &str| -> Vec<f64> {
+            started[side]["points"][name].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+        };
+        let near = |found: Vec<f64>, wanted: &[f64]| {
+            assert!(
+                found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6),
+                "{found:?}"
+            );
+        };
+        near(list("exemplar", "radii"), &[0.1, 0.05, 0.025, 0.075]);
+        near(list("exemplar", "scales"), &[0.5, 1.5, 1.0, 1.0]);
+        let allowed = |value: &f64| [0.1, 0.05, 0.025, 0.075].iter().any(|radius| (radius - value).abs() < 1e-6);
+        assert!(list("output", "radii").iter().all(allowed), "{started}");
+    }
+
+    #[test]
+    fn glyphs_are_checked_and_drawn_into_files() {
+        let mut session = Session::new();
+        let glyph = |name: &str| json!({ "type": "glyph", "name": name });
+        let answer = ask(&mut session, glyph("path:M0 0h10v10h-10z"));
+        assert_eq!(answer, json!({ "type": "glyph", "outline": "M-1 -1L1 -1L1 1L-1 1Z" }));
+        let answer = ask(&mut session, glyph("path:M0 0L9 x"));
+        assert!(answer["message"].as_str().unwrap().contains("position 8"), "{answer}");
+        assert_eq!(ask(&mut session, glyph("castle"))["type"], "error");
+
+        let mut request = tiny(1);
+        request["exemplar"]["name"] = json!("boats");
+        ask(&mut session, request);
+        let export = |glyphs: Value, palette: &str| json!({ "type": "export", "format": "svg", "glyphs": glyphs, "palette": palette });
+        let plain = ask(&mut session, export(json!({}), ""))["text"].clone();
+        let plain = plain.as_str().unwrap();
+        assert!(plain.contains("<use href=\"#glyph-0\"") && plain.contains("rotate(") && plain.contains("#0072b2"));
+        let own = ask(&mut session, export(json!({ "boat": "path:M0 0L9 0L9 9Z" }), "ink"))["text"].clone();
+        let own = own.as_str().unwrap();
+        assert!(
+            own.contains("d=\"M-1 -1L1 -1L1 1Z\"") && own.contains("#222222") && !own.contains("#0072b2"),
+            "{own:.900}"
+        );
+        let refused = ask(&mut session, export(json!({ "boat": "path:\"><script>" }), "ink"));
+        assert_eq!(refused["type"], "error", "{refused}");
     }
 
     #[test]

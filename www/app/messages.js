@@ -19,16 +19,17 @@
 /** @typedef {{ type: 'start', exemplar: Source, preset: string, overrides: Record<string, number | string> }} StartRequest */
 /** @typedef {{ type: 'run', budgetMs: number, maxIterations: number }} RunRequest */
 /** @typedef {{ type: 'analyze' }} AnalyzeRequest */
-/** @typedef {{ type: 'export', format: ExportFormat }} ExportRequest */
+/** @typedef {{ type: 'export', format: ExportFormat, glyphs?: Record<string, string>, palette?: string }} ExportRequest */
+/** @typedef {{ type: 'glyph', name: string }} GlyphRequest */
 /** @typedef {{ type: 'save' }} SaveRequest */
 /** @typedef {{ type: 'resume', state: string }} ResumeRequest */
 /**
  * @typedef {DescribeRequest | EngineRequest | GalleryRequest | OpenRequest | StartRequest | RunRequest | AnalyzeRequest | ExportRequest
- *   | SaveRequest | ResumeRequest} Request
+ *   | GlyphRequest | SaveRequest | ResumeRequest} Request
  */
 
 // What the worker answers.
-/** @typedef {{ type: 'description', version: string, engine: EngineView, presets: PresetView[], ranges: RangeView[] }} DescriptionResponse */
+/** @typedef {{ type: 'description', version: string, engine: EngineView, presets: PresetView[], ranges: RangeView[], glyphs: GlyphView[] }} DescriptionResponse */
 /** @typedef {{ type: 'engine', engine: EngineView, note: string | null, adapter: AdapterView | null }} EngineResponse the worker adds `adapter` */
 /** @typedef {{ type: 'gallery', entries: GalleryEntryView[] }} GalleryResponse */
 /** @typedef {{ type: 'opened', exemplar: PatternView }} OpenedResponse */
@@ -44,17 +45,18 @@
  *   quality: QualityView, defects: DefectsView, verdict: string, iterations: number, workMs: number }} AnalyzedResponse
  */
 /** @typedef {{ type: 'exported', format: ExportFormat, text: string, points: number }} ExportedResponse */
+/** @typedef {{ type: 'glyph', outline: string }} GlyphResponse */
 /** @typedef {{ type: 'saved', state: string, progress: Progress }} SavedResponse */
 /** @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null }} ErrorResponse */
 /**
  * @typedef {DescriptionResponse | EngineResponse | GalleryResponse | OpenedResponse | StartedResponse | BatchResponse
- *   | AnalyzedResponse | ExportedResponse | SavedResponse | ErrorResponse} Response
+ *   | AnalyzedResponse | ExportedResponse | GlyphResponse | SavedResponse | ErrorResponse} Response
  */
 
 /**
  * Which answer belongs to which question.
  * @typedef {{ describe: DescriptionResponse, engine: EngineResponse, gallery: GalleryResponse, open: OpenedResponse, start: StartedResponse,
- *   run: BatchResponse, analyze: AnalyzedResponse, export: ExportedResponse, save: SavedResponse, resume: StartedResponse }} Answers
+ *   run: BatchResponse, analyze: AnalyzedResponse, export: ExportedResponse, glyph: GlyphResponse, save: SavedResponse, resume: StartedResponse }} Answers
  */
 
 // What they hold.
@@ -62,9 +64,15 @@
 /** @typedef {{ name: string, title: string, meaning: string, parameters: Parameters }} PresetView */
 /** @typedef {{ name: string, min: number, max: number, whole: boolean, meaning: string }} RangeView */
 /** @typedef {{ name: string, title: string, caption: string, pattern: PatternView }} GalleryEntryView */
-/** @typedef {{ positions: Float32Array, classes: Uint16Array }} Points */
+/** @typedef {{ name: string, outline: string }} GlyphView */
+/** @typedef {{ glyph: string, color: number }} ClassLookView */
 /**
- * @typedef {{ points: Points, classNames: string[], size: [number, number], min: [number, number], unit: number,
+ * The last four are empty where the pattern does not say; see `src/web/protocol.rs` for their units.
+ * @typedef {{ positions: Float32Array, classes: Uint16Array, radii: Float32Array, scales: Float32Array,
+ *   turns: Float32Array, depths: Float32Array }} Points
+ */
+/**
+ * @typedef {{ points: Points, classNames: string[], looks: ClassLookView[], size: [number, number], min: [number, number], unit: number,
  *   boundary: 'open' | 'periodic', spacing: number | null }} PatternView
  */
 /**

@@ -93,7 +93,7 @@ fn pieces(radius: &[f64], value: &[Option<f64>]) -> Vec<(Vec<f64>, Vec<f64>)> {
 /// The pairs of classes, worst first where there are too many to draw.
 fn class_panels<'a>(sides: &'a [Side<'_>], comparison: Option<&Comparison>) -> Vec<Content<'a>> {
     let names = class_names(sides);
-    let name = |class: u16| shortened(names.get(usize::from(class)).copied().unwrap_or("?"), 16);
+    let name = |class: u16| shortened(names.get(usize::from(class)).map_or("?", String::as_str), 16);
     let mut pairs: Vec<(u16, u16)> = Vec::new();
     for one in sides.iter().flat_map(|side| &side.analysis.cross_correlations) {
         if !pairs.contains(&(one.a, one.b)) {
