@@ -80,6 +80,7 @@ impl Outline {
         fitted(reader.segments)
     }
 
+    #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn segments(&self) -> &[Segment] {
         &self.0
     }

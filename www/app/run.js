@@ -217,9 +217,12 @@ export class Run {
     }
   }
 
-  /** @param {ExportFormat} format */
-  export(format) {
-    return this.#link.ask({ type: 'export', format });
+  /**
+   * @param {ExportFormat} format
+   * @param {{ glyphs: Record<string, string>, palette: string }} look of a picture
+   */
+  export(format, look) {
+    return this.#link.ask({ type: 'export', format, ...look });
   }
 
   /** The worker is gone, and with it whatever it did after the last save. */
