@@ -133,8 +133,12 @@ impl Glyph {
         if let Some(data) = name.strip_prefix(PATH) {
             return Ok(Self::Path(Outline::parse(data)?));
         }
-        let known = Self::all().into_iter().find(|glyph| glyph.name() == name);
-        known.ok_or_else(|| GlyphError::Unknown { name: name.to_owned() })
+        Self::built_in(name).ok_or_else(|| GlyphError::Unknown { name: name.to_owned() })
+    }
+
+    /// The same without the reader of paths, which the engine's module has no need of.
+    pub(super) fn built_in(name: &str) -> Option<Self> {
+        Self::all().into_iter().find(|glyph| glyph.name() == name)
     }
 
     /// Its outline as path data in radii: absolute `M`, `L`, `C` and `Z`. Empty for disks and rings, which are circles.

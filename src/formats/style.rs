@@ -164,7 +164,7 @@ pub fn class_styles(names: &[String], radius: bool) -> Vec<ClassStyle> {
             (true, false) => "disk",
             (true, true) => "ring",
         };
-        ClassStyle { color, glyph: Glyph::from_name(shape).unwrap_or(Glyph::Disk) }
+        ClassStyle { color, glyph: Glyph::built_in(shape).unwrap_or(Glyph::Disk) }
     };
     names.iter().map(style).collect()
 }

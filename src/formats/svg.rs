@@ -45,7 +45,8 @@ pub fn write_svg(pattern: &PointPattern, style: &SvgStyle) -> String {
     let mut svg = String::with_capacity(600 + layout.marks.len() * 64);
     let _ = writeln!(
         svg,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\">"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\"{}>",
+        domain_attributes(pattern, &layout)
     );
     let _ = writeln!(svg, "<title>{}</title>", escape(&title));
     if let Some(color) = style.look.background {
@@ -74,7 +75,11 @@ pub(crate) fn write_marks(svg: &mut String, layout: &Layout, id: &str) {
         let data = class.glyph.path_data();
         if !data.is_empty() {
             let scaling = if layout.halo.is_some() { " vector-effect=\"non-scaling-stroke\"" } else { "" };
-            let _ = writeln!(svg, "<defs><path id=\"{id}-{number}\" d=\"{data}\"{scaling}/></defs>");
+            let _ = writeln!(
+                svg,
+                "<defs><path id=\"{id}-{number}\" {GLYPH}=\"{}\" d=\"{data}\"{scaling}/></defs>",
+                class.glyph.name()
+            );
         }
     }
     for marks in layout.marks.chunk_by(|a, b| a.class == b.class) {
@@ -113,8 +118,19 @@ pub(crate) fn write_marks(svg: &mut String, layout: &Layout, id: &str) {
     }
 }
 
+/// The attribute that marks a path as a glyph, for the reader of SVG.
+pub(crate) const GLYPH: &str = "data-glyph";
+
 /// Width of the line around glyphs that stand before others, both sides together, in lines of the frame.
 pub(crate) const HALO: f64 = 3.0;
+
+/// What the reader of SVG needs to get the pattern back in its own unit: the domain, and where in the picture it is.
+fn domain_attributes(pattern: &PointPattern, layout: &Layout) -> String {
+    let (min, size) = (pattern.domain().min(), pattern.domain().size());
+    let domain = [min.x, min.y, size.x, size.y].map(|number| format!("{number:?}")).join(" ");
+    let frame = [layout.min.x, layout.min.y, layout.size.x, layout.size.y].map(|px| Px(px).to_string()).join(" ");
+    format!(" data-domain=\"{domain}\" data-frame=\"{frame}\" data-boundary=\"{}\"", pattern.boundary().name())
+}
 
 /// A ring with the outline of a disk: its middle line and width.
 pub(crate) struct Ring {

@@ -1,12 +1,12 @@
 // @ts-check
 /**
- * The look of the classes: a glyph for each, also one's own as SVG path data, and the palette. The worker reads and
+ * The look of the classes: a glyph for each, also one's own as SVG path data, and the palette. The module for files reads and
  * checks paths, so that the page draws what a file would hold; what was chosen stays in this browser.
  */
 import { prepare, readColours } from './draw.js';
 import { DISK, fill, glyph } from './glyphs.js';
 import { recall, remember } from './memory.js';
-import { Refused, WorkerDied } from './worker-link.js';
+import { Refused, WorkerDied } from './files.js';
 
 /** @typedef {import('./glyphs.js').Glyph} Glyph */
 /** @typedef {import('./messages.js').PatternView} PatternView */
@@ -25,7 +25,7 @@ const SETTLE_MS = 250;
 const FIRST_PATH = 'M0 -10C9 -6 9 6 0 10C-9 6 -9 -6 0 -10Z';
 
 export class Look {
-  #link;
+  #files;
   #changed;
   /** Built-in glyphs by their names. @type {Map<string, Glyph>} */
   #glyphs = new Map([['disk', DISK]]);
@@ -42,11 +42,11 @@ export class Look {
   #swatches = [];
 
   /**
-   * @param {import('./worker-link.js').WorkerLink} link
+   * @param {import('./files.js').Files} files
    * @param {() => void} changed
    */
-  constructor(link, changed) {
-    this.#link = link;
+  constructor(files, changed) {
+    this.#files = files;
     this.#changed = changed;
     this.#recall();
     for (const input of this.#palettes.querySelectorAll('input')) {
@@ -125,14 +125,13 @@ export class Look {
   }
 
   /**
-   * Asks the worker for the outline of a path; it refuses one that is none in words.
+   * Asks for the outline of a path; one that is none is refused in words.
    *
    * @param {string} name
    */
   async #check(name) {
     if (this.#own.has(name)) return;
-    const { outline } = await this.#link.ask({ type: 'glyph', name });
-    this.#own.set(name, glyph('path', outline));
+    this.#own.set(name, glyph('path', await this.#files.glyph(name)));
     this.#drawSwatches();
     this.#changed();
   }

@@ -2,6 +2,7 @@
 /** The playground: wires the controls, the worker and the canvases together. */
 import { areThings, drawPoints, markRadius, prepare, readColours } from './draw.js';
 import { Engine } from './engine.js';
+import { Files, LARGEST_FILE } from './files.js';
 import { Look } from './look.js';
 import { LossChart } from './loss-chart.js';
 import { Run } from './run.js';
@@ -19,8 +20,6 @@ import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 
 /** What the page shows first. */
 const FIRST = 'rings';
-/** Files over this are not even read; the worker's own limit, with a better sentence, is far below. */
-const LARGEST_FILE = 64 * 1024 * 1024;
 /** A slider in motion starts one run, not thirty. */
 const SETTLE_MS = 180;
 const LARGEST_SEED = Number.MAX_SAFE_INTEGER;
@@ -48,7 +47,8 @@ function element(id) {
 
 const chart = new LossChart();
 const link = new WorkerLink(`./worker.js${isTest ? '?test=1' : ''}`, patience, onWorkerDeath);
-const look = new Look(link, () => {
+const files = new Files();
+const look = new Look(files, () => {
   stage.restyle();
   drawThumbnails();
 });
@@ -494,9 +494,9 @@ async function openFile(file) {
     return;
   }
   try {
-    const bytes = new Uint8Array(await file.arrayBuffer());
+    const { pattern } = await files.read(file.name, new Uint8Array(await file.arrayBuffer()));
     /** @type {Source} */
-    const source = { source: 'file', name: file.name, bytes };
+    const source = { source: 'pattern', name: file.name, pattern };
     const { exemplar } = await link.ask({ type: 'open', exemplar: source });
     const caption = `Your own file, ${points(exemplar.points.classes.length)}.`;
     const choice = { title: file.name, caption, source };
@@ -551,10 +551,10 @@ window.addEventListener('drop', (event) => {
  */
 async function download(format, mime) {
   try {
-    const { text } = await run.export(format, look.choice);
+    const { bytes } = await files.write(format, await run.export(), look.choice);
     const name = chosen.source.name.replace(/\.[^.]*$/, '');
     const anchor = document.createElement('a');
-    anchor.href = URL.createObjectURL(new Blob([text], { type: mime }));
+    anchor.href = URL.createObjectURL(new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (bytes)], { type: mime }));
     anchor.download = `pointweave-${name}.${format}`;
     anchor.click();
     setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000);
