@@ -56,6 +56,28 @@ pub enum AnalysisError {
         /// How many points there are.
         points: usize,
     },
+    /// One mark a point is needed.
+    #[error("there are {count} marks for {points} points; one a point is needed")]
+    Marks {
+        /// How many marks there are.
+        count: usize,
+        /// How many points there are.
+        points: usize,
+    },
+    /// A mark that is no number.
+    #[error("the mark of point {index} is {value}, but must be a finite number")]
+    Mark {
+        /// Which point, from 0.
+        index: usize,
+        /// The offending value.
+        value: f64,
+    },
+    /// Products of marks are measured by the square of their mean.
+    #[error("the mean of the marks is {mean}, too near 0 for their products to be measured by it")]
+    NoMeanMark {
+        /// The mean.
+        mean: f64,
+    },
     /// A class that no point belongs to.
     #[error("no point has class {class}")]
     EmptyClass {

@@ -1,8 +1,9 @@
 // @ts-check
 /** The playground: wires the controls, the worker and the canvases together. */
-import { drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { areThings, drawPoints, markRadius, prepare, readColours } from './draw.js';
 import { Engine } from './engine.js';
 import { Files, LARGEST_FILE } from './files.js';
+import { Look } from './look.js';
 import { LossChart } from './loss-chart.js';
 import { Run } from './run.js';
 import { Stage } from './stage.js';
@@ -44,10 +45,14 @@ function element(id) {
   return /** @type {E} */ (found);
 }
 
-const stage = new Stage();
 const chart = new LossChart();
 const link = new WorkerLink(`./worker.js${isTest ? '?test=1' : ''}`, patience, onWorkerDeath);
 const files = new Files();
+const look = new Look(files, () => {
+  stage.restyle();
+  drawThumbnails();
+});
+const stage = new Stage(look);
 const engine = new Engine(link, { announce, checks: (checks) => void (run.shares = checks) });
 const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain });
 
@@ -146,6 +151,7 @@ function onStarted(started) {
   classNames = started.exemplar.classNames;
   parameters = started.parameters;
   chart.keep(started.progress.totalIterations);
+  look.show(started.exemplar);
   stage.show(started.exemplar, started.output);
   const { exemplar, output } = started;
   const outputCount = output.points.classes.length;
@@ -373,8 +379,9 @@ settings.addEventListener('submit', (event) => {
 });
 
 /** @param {import('./messages.js').DescriptionResponse} description */
-function showDescription({ engine: processor, presets, ranges }) {
+function showDescription({ engine: processor, presets, ranges, glyphs }) {
   engine.describe(processor);
+  look.learn(glyphs);
   if (element('presets').children.length === 0) {
     for (const [index, { name, title }] of presets.entries()) {
       const label = document.createElement('label');
@@ -399,21 +406,30 @@ function showDescription({ engine: processor, presets, ranges }) {
 /** @type {Map<HTMLCanvasElement, PatternView>} */
 const thumbnails = new Map();
 
+/** A thumbnail has room for about so many things whose shape is to be seen; of more it shows a part. */
+const THINGS_SEEN = 34;
+
 /**
  * @param {HTMLCanvasElement} canvas
  * @param {PatternView} pattern
  */
-function drawThumbnail(canvas, { points: { positions, classes }, size: [width, height], spacing, classNames }) {
+function drawThumbnail(canvas, pattern) {
+  const { points, size: [width, height], spacing } = pattern;
   const side = canvas.clientWidth || 60;
-  const margin = 4;
-  const scale = side - 2 * margin;
+  const colours = readColours();
+  const styles = look.styles(pattern, colours);
+  const things = areThings(points, styles);
+  // Dots stand within a margin; of things the middle is shown, to the border.
+  const margin = things ? 0 : 4;
+  const zoom = things ? Math.min(2, Math.max(1, Math.sqrt(points.classes.length / THINGS_SEEN))) : 1;
+  const scale = (side - 2 * margin) * zoom;
   const context = prepare(canvas, side, side);
-  drawPoints(context, readColours(), positions, classes, {
-    left: margin + ((1 - width) / 2) * scale,
-    top: margin + ((1 - height) / 2) * scale,
+  drawPoints(context, colours, points, {
+    left: (side - width * scale) / 2,
+    top: (side - height * scale) / 2,
     scale,
-    radius: Math.max(0.8, 0.9 * markRadius(spacing, scale)),
-    many: classNames.length > 1,
+    radius: (things ? 1.15 : 0.9) * Math.max(things ? 1.6 : 0.89, markRadius(spacing, scale, things)),
+    styles,
   });
 }
 
@@ -540,7 +556,7 @@ window.addEventListener('drop', (event) => {
  */
 async function download(format, mime) {
   try {
-    const { bytes } = await files.write(format, await run.export());
+    const { bytes } = await files.write(format, await run.export(), look.choice);
     const name = chosen.source.name.replace(/\.[^.]*$/, '');
     const anchor = document.createElement('a');
     anchor.href = URL.createObjectURL(new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (bytes)], { type: mime }));
@@ -566,7 +582,7 @@ window.addEventListener('keydown', (event) => {
   const target = /** @type {HTMLElement} */ (event.target);
   const type = target instanceof HTMLInputElement ? target.type : '';
   const writes = type !== '' && !['radio', 'checkbox', 'range', 'file'].includes(type);
-  if (writes) return;
+  if (writes || target.closest('textarea, select')) return;
   // A control keeps the keys it answers to; a chosen radio does not answer to Space.
   const ownsSpace = target.closest('button, summary, a') || ['checkbox', 'file'].includes(type);
   const ownsArrows = type === 'radio' || type === 'range';
@@ -625,6 +641,10 @@ Object.assign(window, {
     },
     get engine() {
       return engine.view;
+    },
+    /** The glyph and colour of every class of the exemplar, and what is chosen for files. */
+    get look() {
+      return look.choice;
     },
     /** How often statistics were worked out, and the latest. */
     get statistics() {

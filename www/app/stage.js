@@ -3,7 +3,7 @@
  * The exemplar and the result at one scale. The points glide from where they are drawn to where they are, so that
  * ten batches a second look like a movement; a paused run is drawn exactly.
  */
-import { drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { areThings, drawPoints, markRadius, prepare, readColours } from './draw.js';
 
 /** @typedef {import('./messages.js').PatternView} PatternView */
 /** @typedef {import('./messages.js').Points} Points */
@@ -36,12 +36,19 @@ export class Stage {
   #frame = 0;
   #lastFrame = 0;
 
-  constructor() {
+  #look;
+
+  /** @param {import('./look.js').Look} look */
+  constructor(look) {
+    this.#look = look;
     new ResizeObserver(() => this.#layout()).observe(this.#figures);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
-      this.#colours = readColours();
-      this.#layout();
-    });
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.restyle());
+  }
+
+  /** Draws with the colours and glyphs as they are now. */
+  restyle() {
+    this.#colours = readColours();
+    this.#layout();
   }
 
   /** Where the points are, in exemplar units. */
@@ -122,25 +129,38 @@ export class Stage {
   #drawExemplar() {
     if (!this.#exemplar) return;
     const { context } = this.#size(this.#exemplarCanvas, this.#exemplar);
-    const { points, spacing, classNames } = this.#exemplar;
-    drawPoints(context, this.#colours, points.positions, points.classes, {
+    const { points, spacing } = this.#exemplar;
+    const styles = this.#look.styles(this.#exemplar, this.#colours);
+    drawPoints(context, this.#colours, points, {
       left: MARGIN,
       top: MARGIN,
       scale: this.#scale,
-      radius: markRadius(spacing, this.#scale),
-      many: classNames.length > 1,
+      radius: markRadius(spacing, this.#scale, areThings(points, styles)),
+      styles,
+      wrap: this.#wrap(this.#exemplar),
     });
+  }
+
+  /**
+   * Marks wider than the margin come in on the other side of a tile.
+   *
+   * @param {PatternView} pattern
+   */
+  #wrap({ points, size, boundary }) {
+    return boundary === 'periodic' && (points.radii.length > 0 || points.scales.length > 0) ? size : null;
   }
 
   #drawOutput() {
     if (!this.#output || !this.#exemplar) return;
     const { width, height, context } = this.#size(this.#outputCanvas, this.#output);
-    const { points, size, classNames } = this.#output;
+    const { size } = this.#output;
+    const points = { ...this.#output.points, positions: this.#drawn };
     const periodic = this.#output.boundary === 'periodic';
     const tiles = this.#tiles && periodic ? 3 : 1;
     const scale = this.#scale / tiles;
-    const radius = markRadius(this.#exemplar.spacing, scale);
-    const many = classNames.length > 1;
+    const styles = this.#look.styles(this.#exemplar, this.#colours);
+    const radius = markRadius(this.#exemplar.spacing, scale, areThings(points, styles));
+    const wrap = tiles === 1 ? this.#wrap(this.#output) : null;
     const [tileWidth, tileHeight] = [size[0] * scale, size[1] * scale];
     if (tiles === 1) {
       this.#ruler(context, width, height);
@@ -151,7 +171,7 @@ export class Stage {
         context.globalAlpha = centre ? 1 : 0.35;
         const left = MARGIN + column * tileWidth;
         const top = MARGIN + row * tileHeight;
-        drawPoints(context, this.#colours, this.#drawn, points.classes, { left, top, scale, radius, many });
+        drawPoints(context, this.#colours, points, { left, top, scale, radius, styles, wrap });
       }
     }
     context.globalAlpha = 1;
