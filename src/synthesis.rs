@@ -11,16 +11,18 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::analysis::Cloud;
+use crate::analysis::{AnalysisError, Cloud, check_radii};
 use crate::engine::cpu::adam::Adam;
 use crate::engine::cpu::network::Network;
 use crate::engine::cpu::{CpuEngine, Float};
 use crate::engine::gpu::{Gpu, GpuEngine, GpuNetwork};
 use crate::engine::view::Stage;
 use crate::engine::{Advance, Engine, ScaleSetup};
+use crate::method::disks::{Disks, Overlaps, movable, separate};
 use crate::method::parameters::Start;
-use crate::method::repair::{Limits, keep_apart, relocate};
+use crate::method::repair::{Limits, keep_apart, least_distance, relocate};
 use crate::method::schedule::converged;
+use crate::method::values::{Exchange, Values};
 use crate::method::{ParameterError, Parameters, Schedule};
 use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
 use crate::sampling::{Purpose, Rng, poisson_disk, white_noise};
@@ -116,6 +118,9 @@ pub enum SynthesisError {
     /// The exemplar, or what would come out, is not a valid pattern.
     #[error(transparent)]
     Pattern(#[from] PatternError),
+    /// A radius of the exemplar is none.
+    #[error("the exemplar's disks can't be used: {0}")]
+    Disks(#[from] AnalysisError),
     /// The exemplar has too little structure to learn from.
     #[error("the exemplar can't be used: {0}")]
     Exemplar(&'static str),
@@ -157,6 +162,10 @@ pub struct Synthesis {
     output_domain: Domain,
     /// Output points, class after class, in exemplar units: the classes done and the one at hand.
     points: Vec<DVec2>,
+    /// For each output point the exemplar point whose attributes it carries.
+    sources: Vec<usize>,
+    /// Radii of the exemplar's disks in exemplar units, where they are to overlap as they do there.
+    radii: Option<Vec<f64>>,
     /// Where each started class begins in `points`.
     class_starts: Vec<usize>,
     class: usize,
@@ -178,7 +187,7 @@ pub struct Synthesis {
 }
 
 /// Version of [`SynthesisState`]'s layout.
-const STATE_VERSION: u32 = 1;
+const STATE_VERSION: u32 = 2;
 
 /// Everything needed to continue a run later, bit for bit. Taken between iterations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -192,6 +201,8 @@ pub struct SynthesisState {
     pub parameters: Parameters,
     /// Output points in exemplar units, class after class.
     pub points: Vec<DVec2>,
+    /// For each output point the exemplar point whose attributes it carries.
+    pub sources: Vec<usize>,
     /// Class at hand.
     pub class: usize,
     /// Scale at hand.
@@ -235,12 +246,15 @@ impl Synthesis {
         for (position, &class) in positions.iter().zip(exemplar.classes()) {
             exemplar_classes[usize::from(class)].push(*position);
         }
+        let radii = if parameters.disk_overlap > 0.0 { disk_radii(&exemplar)? } else { None };
         let run = Self {
+            radii,
             schedule: Schedule::new(&parameters, spacing, density(&exemplar), output_size),
             exemplar_classes,
             output_size,
             output_domain,
             points: Vec::new(),
+            sources: Vec::new(),
             class_starts: Vec::new(),
             class: 0,
             scale: 0,
@@ -259,6 +273,12 @@ impl Synthesis {
         let total: usize = (0..run.classes()).map(|class| run.output_count(class)).sum();
         if total > MAX_POINTS {
             return Err(PatternError::TooMany { what: "points in the output", count: total, max: MAX_POINTS }.into());
+        }
+        let largest = run.radii.iter().flatten().copied().fold(0.0, f64::max);
+        if !movable(total, density(&run.exemplar), largest) {
+            return Err(SynthesisError::Exemplar(
+                "every disk overlaps hundreds of others; check the unit of the radii, or set 'disk-overlap' to 0",
+            ));
         }
         run.check_memory(memory_limit)?;
         Ok(run)
@@ -365,6 +385,7 @@ impl Synthesis {
             Start::WhiteNoise => white_noise(&mut rng, self.output_size, count),
         };
         self.points.extend(start);
+        self.deal_values(count);
         self.scale = 0;
         self.losses.clear();
     }
@@ -531,21 +552,51 @@ impl Synthesis {
 
     /// Puts right what the losses hardly see, where the exemplar says that it is wrong.
     fn repair(&mut self) {
-        let Parameters { spacing_floor, relocation, boundary, .. } = self.parameters;
-        if spacing_floor == 0.0 && relocation == 0.0 {
-            return;
-        }
+        let Parameters { spacing_floor, relocation, boundary, disk_overlap, value_swaps, .. } = self.parameters;
         let size = self.exemplar.domain().size_in_exemplar_units();
         let exemplar = Cloud::new(self.exemplar_classes[..=self.class].concat(), size, self.exemplar.boundary());
-        let Some(limits) = exemplar.ok().as_ref().and_then(Limits::of) else { return };
+        let Ok(exemplar) = exemplar else { return };
+        let limits = Limits::of(&exemplar);
         let first = self.moving_from();
-        if relocation > 0.0 {
+        if let Some(limits) = limits.filter(|_| relocation > 0.0) {
             let most = (relocation * (self.points.len() - first) as f64).ceil() as usize;
             relocate(&mut self.points, first, self.output_size, boundary, limits, most);
         }
-        if spacing_floor > 0.0 {
-            keep_apart(&mut self.points, first, self.output_size, boundary, limits, spacing_floor);
+        if value_swaps > 0 {
+            self.exchange_values(exemplar, value_swaps);
         }
+        let least =
+            limits.map_or(0.0, |limits| least_distance(limits, spacing_floor, self.output_size, self.points.len()));
+        if let Some(radii) = &self.radii {
+            let overlaps = Overlaps::of(&Cloud::of(&self.exemplar), radii, self.class as u16, disk_overlap);
+            let disks = Disks { radii, classes: self.exemplar.classes() };
+            let domain = (self.output_size, boundary);
+            separate(&mut self.points, &mut self.sources, first, domain, disks, &overlaps, least);
+        } else if least > 0.0 {
+            keep_apart(&mut self.points, first, self.output_size, boundary, least);
+        }
+    }
+
+    /// Brings the values of the class at hand to where they fit; `exemplar` is its classes up to this one, class after
+    /// class.
+    fn exchange_values(&mut self, exemplar: Cloud, sweeps: u32) {
+        let class = self.class as u16;
+        let Some(values) = Values::of(&self.exemplar, class) else { return };
+        let of = self.exemplar.classes();
+        let numbers: Vec<usize> =
+            (0..=class).flat_map(|class| (0..of.len()).filter(move |&point| of[point] == class)).collect();
+        let classes = |numbers: &[usize]| numbers.iter().map(|&source| of[source]).collect();
+        let output = Cloud::new(self.points.clone(), self.output_size, self.parameters.boundary);
+        let both = exemplar
+            .with_classes(classes(&numbers))
+            .and_then(|exemplar| Ok((exemplar, output?.with_classes(classes(&self.sources))?)));
+        let Ok((exemplar, output)) = both else { return };
+        let mut rng = Rng::new(self.parameters.seed, Purpose::Exchange { class, scale: self.scale as u16 });
+        Exchange::new(&values, (&exemplar, &numbers), &output, self.moving_from()).run(
+            &mut self.sources,
+            sweeps,
+            &mut rng,
+        );
     }
 
     fn end_scale(&mut self) -> Event {
@@ -625,36 +676,29 @@ impl Synthesis {
             let end = self.class_starts.get(class + 1).copied().unwrap_or(self.points.len());
             classes.extend(std::iter::repeat_n(class as u16, end - start));
         }
-        let sources = self.attribute_sources();
         let mut output = PointPattern::new(output_domain, positions)?
             .with_boundary(self.parameters.boundary)
             .with_classes(classes, self.exemplar.class_names().to_vec())?;
         for attribute in self.exemplar.attributes() {
-            let values = sources.iter().map(|&source| attribute.values[source]).collect();
+            let values = self.sources.iter().map(|&source| attribute.values[source]).collect();
             output = output.with_attribute(Attribute { name: attribute.name.clone(), values })?;
         }
         Ok(output)
     }
 
-    /// For every output point the exemplar point whose attributes it carries: each class's own, all of them repeated
-    /// as often as the area asks, in random order (Huang et al. 2022, §4.5).
-    fn attribute_sources(&self) -> Vec<usize> {
-        let mut sources = Vec::with_capacity(self.points.len());
-        for (class, &start) in self.class_starts.iter().enumerate() {
-            let end = self.class_starts.get(class + 1).copied().unwrap_or(self.points.len());
-            let mut members: Vec<usize> = (0..self.exemplar.len())
-                .filter(|&point| usize::from(self.exemplar.classes()[point]) == class)
-                .collect();
-            let mut rng = Rng::new(self.parameters.seed, Purpose::Attributes(class as u16));
-            let mut left = end - start;
-            while left > 0 {
-                rng.shuffle(&mut members);
-                let count = left.min(members.len());
-                sources.extend(&members[..count]);
-                left -= count;
-            }
+    /// Gives the `left` points of the class at hand the attributes of the exemplar's points of that class, all of them
+    /// repeated as often as the area asks, in random order (Huang et al. 2022, §4.5).
+    fn deal_values(&mut self, mut left: usize) {
+        let mut members: Vec<usize> = (0..self.exemplar.len())
+            .filter(|&point| usize::from(self.exemplar.classes()[point]) == self.class)
+            .collect();
+        let mut rng = Rng::new(self.parameters.seed, Purpose::Attributes(self.class as u16));
+        while left > 0 {
+            rng.shuffle(&mut members);
+            let count = left.min(members.len());
+            self.sources.extend(&members[..count]);
+            left -= count;
         }
-        sources
     }
 
     /// Where the run stands.
@@ -707,6 +751,7 @@ impl Synthesis {
             exemplar: self.exemplar.clone(),
             parameters: self.parameters.clone(),
             points: self.points.clone(),
+            sources: self.sources.clone(),
             class: self.class,
             scale: self.scale,
             iterations: self.schedule.scales[self.scale].iterations,
@@ -751,6 +796,19 @@ impl Synthesis {
         if let Some(index) = state.points.iter().position(|point| !inside(point)) {
             return refuse(format!("point {index} lies outside the output"));
         }
+        let classes = run.exemplar.classes();
+        let source_of = |class| move |source: &usize| classes.get(*source).is_some_and(|&of| usize::from(of) == class);
+        let mut sources = state.sources.as_slice();
+        for class in 0..=state.class {
+            let Some((own, others)) = sources.split_at_checked(run.output_count(class)) else { break };
+            if !own.iter().all(source_of(class)) {
+                return refuse(format!("a point of class {class} takes its attributes from another class"));
+            }
+            sources = others;
+        }
+        if state.sources.len() != start {
+            return refuse(format!("it has {} sources of attributes for {start} points", state.sources.len()));
+        }
         if state.losses.len() > run.schedule.scales[state.scale].iterations as usize
             || state.losses.iter().any(|loss| !loss.is_finite())
         {
@@ -766,6 +824,7 @@ impl Synthesis {
             return refuse("its optimiser holds a value that is not allowed".to_owned());
         }
         run.points = state.points;
+        run.sources = state.sources;
         run.class = state.class;
         run.scale = state.scale;
         run.losses = state.losses;
@@ -780,6 +839,13 @@ impl Synthesis {
     pub fn boundary(&self) -> Boundary {
         self.parameters.boundary
     }
+}
+
+/// Radii of a pattern's disks in exemplar units: those of its attribute `radius`, if it has one.
+fn disk_radii(exemplar: &PointPattern) -> Result<Option<Vec<f64>>, AnalysisError> {
+    let Some(radii) = exemplar.radii_in(exemplar.domain().exemplar_unit()) else { return Ok(None) };
+    check_radii(&Cloud::of(exemplar), &radii)?;
+    Ok(Some(radii))
 }
 
 /// Points per unit area, in exemplar units.

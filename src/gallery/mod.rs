@@ -8,6 +8,7 @@
 //! ever; a better picture is a new entry.
 
 mod dashes;
+mod disks;
 mod figures;
 mod lattices;
 mod radial;
@@ -42,9 +43,14 @@ impl Entry {
         reason = "generators take nothing but a seed, end in Sample::tile or Sample::window, and so stay in their rectangle"
     )]
     pub fn generate(&self, seed: u64) -> PointPattern {
-        let Sample { size, boundary, points } = (self.generate)(seed);
+        let Sample { size, boundary, points, attributes } = (self.generate)(seed);
         let domain = Domain::new(DVec2::ZERO, size).expect("a generator's rectangle is valid");
-        PointPattern::new(domain, points).expect("a generator's points are valid").with_boundary(boundary)
+        let mut pattern =
+            PointPattern::new(domain, points).expect("a generator's points are valid").with_boundary(boundary);
+        for attribute in attributes {
+            pattern = pattern.with_attribute(attribute).expect("a generator has one value a point");
+        }
+        pattern
     }
 
     /// The exemplar for the entry's own seed.
@@ -66,7 +72,7 @@ pub fn find(name: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.name == name)
 }
 
-static ENTRIES: [Entry; 21] = [
+static ENTRIES: [Entry; 24] = [
     Entry {
         name: "rings",
         title: "Rings",
@@ -213,5 +219,26 @@ static ENTRIES: [Entry; 21] = [
         caption: "Walls around empty cells: the holes are as regular as the points.",
         seed: 1,
         generate: lattices::honeycomb,
+    },
+    Entry {
+        name: "graded-disks",
+        title: "Graded disks",
+        caption: "Sizes swell and shrink from left to right: a value that depends on its place.",
+        seed: 1,
+        generate: disks::graded,
+    },
+    Entry {
+        name: "packed-disks",
+        title: "Packed disks",
+        caption: "A few large disks, many small ones in the gaps, none overlapping: places must suit sizes.",
+        seed: 1,
+        generate: disks::packed,
+    },
+    Entry {
+        name: "necklaces",
+        title: "Necklaces",
+        caption: "Rings of beads, each a tenth in its two neighbours, and no other overlap.",
+        seed: 1,
+        generate: disks::necklaces,
     },
 ];

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 
 use crate::domain::Boundary;
+use crate::pattern::Attribute;
 use crate::sampling::{Purpose, Rng, lloyd_step, poisson_disk, wrap};
 
 /// The points of an exemplar in `[0, size.x] × [0, size.y]`.
@@ -12,19 +13,22 @@ pub(super) struct Sample {
     pub(super) size: DVec2,
     pub(super) boundary: Boundary,
     pub(super) points: Vec<DVec2>,
+    /// One value a point each.
+    pub(super) attributes: Vec<Attribute>,
 }
 
 impl Sample {
     /// One tile of a torus; points beyond its border come back in on the other side.
     pub(super) fn tile(size: DVec2, points: impl IntoIterator<Item = DVec2>) -> Self {
         let points = points.into_iter().map(|point| wrap(point, size)).collect();
-        Self { size, boundary: Boundary::Periodic, points }
+        Self { size, boundary: Boundary::Periodic, points, attributes: Vec::new() }
     }
 
     /// The part of a larger picture seen through the unit square.
     pub(super) fn window(points: impl IntoIterator<Item = DVec2>) -> Self {
         let inside = |point: &DVec2| point.cmpge(DVec2::ZERO).all() && point.cmple(DVec2::ONE).all();
-        Self { size: DVec2::ONE, boundary: Boundary::Open, points: points.into_iter().filter(inside).collect() }
+        let points = points.into_iter().filter(inside).collect();
+        Self { size: DVec2::ONE, boundary: Boundary::Open, points, attributes: Vec::new() }
     }
 }
 

@@ -1,9 +1,11 @@
 //! The method of Huang et al. 2022 as data and arithmetic both engines share. No I/O and no device in here.
 
+pub mod disks;
 pub mod filters;
 pub mod parameters;
 pub mod repair;
 pub mod schedule;
+pub mod values;
 
 pub use filters::FilterBank;
 pub use parameters::{ParameterError, Parameters, Preset};

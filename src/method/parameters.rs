@@ -187,6 +187,12 @@ pub struct Parameters {
     pub spacing_floor: f64,
     /// After each scale this share of the points at most goes from crowds into holes, where the exemplar has neither.
     pub relocation: f64,
+    /// After each scale disks (points with an attribute `radius`) are moved until they overlap as the exemplar's do, by
+    /// this share of what they lack; 0 leaves them, as the paper.
+    pub disk_overlap: f64,
+    /// After each scale points exchange their attribute values up to this many times over, so that neighbours fit as in
+    /// the exemplar; 0 leaves them where chance put them, as the paper.
+    pub value_swaps: u32,
     /// A scale may stop early only after this many iterations; also the window of the convergence test.
     pub convergence_window: u32,
     /// A scale stops when the last window brought less than this share of its whole decrease.
@@ -236,7 +242,7 @@ impl Range {
 
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
-    pub const RANGES: [Range; 27] = [
+    pub const RANGES: [Range; 29] = [
         real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
         real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
         whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
@@ -287,6 +293,18 @@ impl Parameters {
             "Points keep this share of the exemplar's smallest distance; 0 lets them meet.",
         ),
         real("relocation", 0.0, 0.5, "Share of points that may go from crowds into holes after each scale."),
+        real(
+            "disk-overlap",
+            0.0,
+            1.0,
+            "Share of the exemplar's distances that disks keep where they must not overlap more; 0 is off.",
+        ),
+        whole(
+            "value-swaps",
+            0.0,
+            100.0,
+            "Sweeps of exchanges that bring values to where they fit; 0 leaves it to chance.",
+        ),
         whole("convergence-window", 10.0, 5000.0, "Iterations a scale runs at least, and looks back over."),
         real("convergence-tolerance", 0.0, 1.0, "A scale ends when its last window brought less than this share."),
     ];
@@ -319,6 +337,8 @@ impl Parameters {
             self.iterations_polish.into(),
             self.spacing_floor,
             self.relocation,
+            self.disk_overlap,
+            self.value_swaps.into(),
             self.convergence_window.into(),
             self.convergence_tolerance,
         ]
@@ -356,6 +376,8 @@ impl Parameters {
             iterations_polish: 0,
             spacing_floor: 0.0,
             relocation: 0.0,
+            disk_overlap: 0.0,
+            value_swaps: 0,
             convergence_window: 100,
             convergence_tolerance: 0.01,
         };
@@ -378,6 +400,8 @@ impl Parameters {
                 iterations_polish: 120,
                 spacing_floor: 1.0,
                 relocation: 0.1,
+                disk_overlap: 1.0,
+                value_swaps: 12,
                 ..paper
             },
             Preset::Fast => Self {
@@ -397,6 +421,8 @@ impl Parameters {
                 iterations_polish: 60,
                 spacing_floor: 1.0,
                 relocation: 0.1,
+                disk_overlap: 1.0,
+                value_swaps: 12,
                 ..paper
             },
         }
