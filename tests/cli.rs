@@ -140,7 +140,7 @@ fn a_saved_run_continues_bit_for_bit() {
     refused(&["synth", "--resume", &state, "--seed", "2"], b"", 2, &["--seed", "--resume"]);
     let broken = folder.file("broken.state", "{\"version\": 1}");
     refused(&["synth", "--resume", &broken], b"", 1, &["broken.state", "is not a saved state", "missing field"]);
-    let later = fs::read_to_string(&state).unwrap().replacen("\"version\":1", "\"version\":99", 1);
+    let later = fs::read_to_string(&state).unwrap().replacen("\"version\":2", "\"version\":99", 1);
     let later = folder.file("later.state", &later);
     refused(&["synth", "--resume", &later], b"", 1, &["can't be continued", "99"]);
 }
