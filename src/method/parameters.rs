@@ -542,6 +542,8 @@ impl Parameters {
             "boundary" => &["open", "periodic"],
             "start" => &["poisson-disk", "white-noise"],
             "learning-rate-unit" => &["output-side", "sigma"],
+            "class-order" => &["file", "largest-first", "most-first"],
+            "class-maps" => &["pooled", "separate", "each"],
             _ => return None,
         };
         choices.iter().find(|choice| value.as_str() == Some(choice)).map(|&choice| Value::from(choice))
