@@ -81,7 +81,7 @@ export async function withPage(browser, options, body) {
  * One member of the page's debug object.
  *
  * @param {Page} page
- * @param {'status' | 'progress' | 'parameters' | 'positions' | 'losses' | 'savedIterations' | 'engine' | 'statistics'} member
+ * @param {'status' | 'progress' | 'parameters' | 'positions' | 'drawing' | 'losses' | 'savedIterations' | 'engine' | 'statistics'} member
  * @returns {Promise<any>}
  */
 export const peek = (page, member) =>

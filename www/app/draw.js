@@ -12,6 +12,8 @@ export function readColours() {
     line: get('--line'),
     lineStrong: get('--line-strong'),
     soft: get('--soft'),
+    card: get('--card'),
+    accent: get('--accent'),
     gram: get('--gram'),
     correlation: get('--correlation'),
     classes: Array.from({ length: 8 }, (_, index) => get(`--class-${index}`)),
@@ -49,7 +51,7 @@ export function prepare(canvas, width, height) {
  * @param {number} y
  * @param {number} r radius of the disk
  */
-function trace(context, shape, x, y, r) {
+export function trace(context, shape, x, y, r) {
   switch (shape % 4) {
     case 1:
       context.rect(x - 0.89 * r, y - 0.89 * r, 1.78 * r, 1.78 * r);
@@ -71,6 +73,22 @@ function trace(context, shape, x, y, r) {
       context.moveTo(x + r, y);
       context.arc(x, y, r, 0, 2 * Math.PI);
   }
+}
+
+/**
+ * The mark of a class alone, as a sign.
+ *
+ * @param {HTMLCanvasElement} canvas
+ * @param {Colours} colours
+ * @param {number} klass
+ * @param {boolean} many whether there is more than one class
+ */
+export function tracePreview(canvas, colours, klass, many) {
+  const context = prepare(canvas, 14, 14);
+  context.beginPath();
+  trace(context, many ? klass : 0, 7, 7, 4.6);
+  context.fillStyle = many ? colours.classes[klass % colours.classes.length] : colours.point;
+  context.fill();
 }
 
 /**

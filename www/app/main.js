@@ -1,8 +1,11 @@
 // @ts-check
 /** The playground: wires the controls, the worker and the canvases together. */
 import { drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { Editor } from './editor.js';
 import { Engine } from './engine.js';
 import { LossChart } from './loss-chart.js';
+import { blank, count } from './pattern.js';
+import { patternOf, sourceOf, viewOf } from './pattern-source.js';
 import { Run } from './run.js';
 import { Stage } from './stage.js';
 import { Statistics } from './statistics.js';
@@ -14,7 +17,11 @@ import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 /** @typedef {import('./messages.js').PatternView} PatternView */
 /** @typedef {import('./messages.js').Progress} Progress */
 /** @typedef {PatternView['boundary']} Boundary */
-/** @typedef {{ title: string, caption: string, source: Source }} Chosen */
+/** @typedef {import('./pattern.js').Pattern} Pattern */
+/**
+ * `value` is that of its card; `pattern` is there where more is known than what the worker shows.
+ * @typedef {{ title: string, caption: string, source: Source, value?: string, pattern?: Pattern }} Chosen
+ */
 
 /** What the page shows first. */
 const FIRST = 'rings';
@@ -60,6 +67,8 @@ let progress = null;
 /** @type {import('./messages.js').Parameters | null} */
 let parameters = null;
 let booted = false;
+/** The exemplar of the run at hand. @type {PatternView | null} */
+let shown = null;
 
 // ---------------------------------------------------------------------------------------------- notices
 
@@ -143,6 +152,7 @@ function onStarted(started) {
   progress = started.progress;
   parameters = started.parameters;
   chart.keep(started.progress.totalIterations);
+  shown = started.exemplar;
   stage.show(started.exemplar, started.output);
   const { exemplar, output } = started;
   const outputCount = output.points.classes.length;
@@ -427,6 +437,7 @@ function exemplarCard(choice, value, pattern) {
   card.title = choice.caption;
   const input = document.createElement('input');
   Object.assign(input, { type: 'radio', name: 'exemplar', value, className: 'unseen' });
+  choice.value = value;
   input.addEventListener('change', () => choose(choice, pattern.boundary));
   const canvas = document.createElement('canvas');
   canvas.setAttribute('aria-hidden', 'true');
@@ -446,6 +457,7 @@ function exemplarCard(choice, value, pattern) {
  * @param {Boundary} boundary
  */
 function choose(choice, boundary) {
+  editor.close(true);
   chosen = choice;
   setBoundary(boundary);
   beginSoon();
@@ -470,6 +482,32 @@ function showGallery(entries) {
   drawThumbnails();
 }
 
+/**
+ * Puts a card of the person's own on top of the gallery, or in the place of the one with the same value.
+ *
+ * @param {Chosen} choice
+ * @param {string} value
+ * @param {PatternView} pattern
+ */
+function showOwnCard(choice, value, pattern) {
+  const { card, input } = exemplarCard(choice, value, pattern);
+  const gallery = element('gallery');
+  const before = ownCard(value);
+  if (before) before.replaceWith(card);
+  else gallery.prepend(card);
+  gallery.scrollTo({ top: 0, left: 0 });
+  forgetThumbnails();
+  drawThumbnails();
+  return input;
+}
+
+/** @param {string} value */
+const ownCard = (value) => element('gallery').querySelector(`input[value="${value}"]`)?.closest('label');
+
+function forgetThumbnails() {
+  for (const canvas of thumbnails.keys()) if (!canvas.isConnected) thumbnails.delete(canvas);
+}
+
 /** @param {File} file */
 async function openFile(file) {
   unnotify();
@@ -484,14 +522,8 @@ async function openFile(file) {
     const { exemplar } = await link.ask({ type: 'open', exemplar: source });
     const caption = `Your own file, ${points(exemplar.points.classes.length)}.`;
     const choice = { title: file.name, caption, source };
-    const { card, input } = exemplarCard(choice, 'own', exemplar);
-    const gallery = element('gallery');
-    gallery.querySelector('input[value="own"]')?.closest('label')?.remove();
-    gallery.prepend(card);
-    gallery.scrollTo({ top: 0, left: 0 });
-    input.checked = true;
-    for (const canvas of thumbnails.keys()) if (!canvas.isConnected) thumbnails.delete(canvas);
-    drawThumbnails();
+    editor.close(true);
+    showOwnCard(choice, 'own', exemplar).checked = true;
     chosen = choice;
     setBoundary(exemplar.boundary);
     await begin(true);
@@ -525,6 +557,98 @@ window.addEventListener('drop', (event) => {
   event.preventDefault();
   const file = event.dataTransfer?.files[0];
   if (file) void openFile(file);
+});
+
+// ---------------------------------------------------------------------------------------------- drawing
+
+const editor = new Editor({ weave: useDrawing, closed: onEditorClosed });
+/**
+ * The drawing under way: the card it has or will have, and what there was before it began.
+ *
+ * @type {{ value: string, title: string, isNew: boolean, woven: Pattern | null, before: Chosen, boundary: Boundary }}
+ */
+let drawing;
+let drawings = 0;
+
+/**
+ * @param {Pattern} pattern
+ * @param {string} label what was done, for people
+ */
+function draw(pattern, label) {
+  if (!editor.isOpen) {
+    const again = chosen.value?.startsWith('drawing-') && pattern === chosen.pattern;
+    if (!again) drawings++;
+    drawing = {
+      value: again ? /** @type {string} */ (chosen.value) : `drawing-${drawings}`,
+      title: again ? chosen.title : drawings === 1 ? 'Your drawing' : `Your drawing ${drawings}`,
+      isNew: !again,
+      woven: null,
+      before: chosen,
+      boundary: /** @type {Boundary} */ (radio('boundary') ?? pattern.boundary),
+    };
+  }
+  editor.open(pattern, label);
+  stage.editing = true;
+  element('editor').scrollIntoView({ block: 'start' });
+}
+
+/** @param {Pattern} pattern */
+function keepDrawing(pattern) {
+  const caption = `Drawn here, ${points(count(pattern))}.`;
+  /** @type {Chosen} */
+  const choice = { title: drawing.title, caption, source: sourceOf(pattern), pattern };
+  return { choice, card: showOwnCard(choice, drawing.value, viewOf(pattern)) };
+}
+
+/** @param {Pattern} pattern */
+function useDrawing(pattern) {
+  unnotify();
+  const { choice, card } = keepDrawing(pattern);
+  card.checked = true;
+  chosen = choice;
+  // The border is the drawing's, but also the person's to change while the drawing keeps its own.
+  if (pattern.boundary !== (drawing.woven ?? shown)?.boundary) setBoundary(pattern.boundary);
+  drawing.woven = pattern;
+  void begin(true);
+}
+
+/** @param {boolean} kept */
+function onEditorClosed(kept) {
+  stage.editing = false;
+  if (kept) {
+    // Another exemplar was chosen before the latest strokes were woven.
+    if (editor.isChanged && editor.pattern !== drawing.woven && count(editor.pattern) > 0) keepDrawing(editor.pattern);
+  } else {
+    const { before, boundary, value, isNew, woven } = drawing;
+    if (isNew) {
+      ownCard(value)?.remove();
+      forgetThumbnails();
+    } else if (before.pattern) {
+      showOwnCard(before, value, viewOf(before.pattern));
+    }
+    chosen = before;
+    const input = ownCard(before.value ?? '')?.querySelector('input');
+    if (input) input.checked = true;
+    setBoundary(boundary);
+    if (woven) void begin(true);
+    if (editor.isChanged) {
+      notify('The drawing was discarded.', {
+        label: 'Bring it back',
+        act: () => {
+          stage.editing = true;
+          drawing.woven = null;
+          editor.reopen();
+        },
+      });
+    }
+  }
+  element('edit').focus();
+}
+
+element('draw-own').addEventListener('click', () => draw(blank(), 'A new blank exemplar'));
+element('edit').addEventListener('click', () => {
+  if (chosen.pattern) draw(chosen.pattern, `Editing ${chosen.title}`);
+  else if (shown) draw(patternOf(shown), `Editing a copy of ${chosen.title}`);
 });
 
 // ---------------------------------------------------------------------------------------------- downloads
@@ -610,6 +734,10 @@ Object.assign(window, {
     /** Where the points are, not where they are drawn on their way there: `[x, y, x, y, …]` in exemplar units. */
     get positions() {
       return Array.from(stage.positions);
+    },
+    /** The exemplar as it stands in the open editor. */
+    get drawing() {
+      return editor.isOpen ? structuredClone(editor.pattern) : null;
     },
     /** Total loss of every iteration so far. */
     get losses() {

@@ -16,6 +16,10 @@ const GLIDE_MS = 70;
 const STACK_BELOW = 520;
 /** The words below the exemplar need this much. */
 const CAPTION_WIDTH = 170;
+/** While the exemplar is edited the editor takes its place; this share of the width is left for the result. */
+const RESULT_SHARE = 0.37;
+/** The editor needs more width to have the result beside it. */
+const STACK_EDITOR_BELOW = 680;
 
 export class Stage {
   #figures = /** @type {HTMLElement} */ (document.getElementById('figures'));
@@ -32,6 +36,7 @@ export class Stage {
   /** Where the points are drawn; on the way to where they are. */
   #drawn = new Float32Array();
   #tiles = false;
+  #editing = false;
   #scale = 100;
   #frame = 0;
   #lastFrame = 0;
@@ -78,13 +83,20 @@ export class Stage {
     this.#drawOutput();
   }
 
+  /** @param {boolean} editing whether the editor stands in the exemplar's place */
+  set editing(editing) {
+    this.#editing = editing;
+    this.#figures.toggleAttribute('data-editing', editing);
+    this.#layout();
+  }
+
   /** Finds the one scale at which both fit. */
   #layout() {
     if (!this.#exemplar || !this.#output) return;
     const { clientWidth: width, clientHeight: height } = this.#figures;
     const [exemplarWidth, exemplarHeight] = this.#exemplar.size;
     const [outputWidth, outputHeight] = this.#output.size;
-    const stacked = width < STACK_BELOW;
+    const stacked = width < (this.#editing ? STACK_EDITOR_BELOW : STACK_BELOW);
     this.#figures.dataset.shape = stacked ? 'stacked' : 'beside';
     let scale;
     if (stacked) {
@@ -95,6 +107,7 @@ export class Stage {
       const free = width - gap - 4 * MARGIN;
       scale = free / (exemplarWidth + outputWidth);
       if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / outputWidth;
+      if (this.#editing) scale = (RESULT_SHARE * width - 2 * MARGIN) / outputWidth;
       const head = 30;
       const room = this.#fits.matches ? Math.max(height, 300) : 0.8 * window.innerHeight;
       scale = Math.min(scale, (room - head - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight));
