@@ -3,6 +3,8 @@
 import { drawPoints, markRadius, prepare, readColours } from './draw.js';
 import { Editor } from './editor.js';
 import { Engine } from './engine.js';
+import { Files } from './files.js';
+import { Import } from './import.js';
 import { LossChart } from './loss-chart.js';
 import { blank, count } from './pattern.js';
 import { patternOf, sourceOf, viewOf } from './pattern-source.js';
@@ -25,8 +27,6 @@ import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 
 /** What the page shows first. */
 const FIRST = 'rings';
-/** Files over this are not even read; the worker's own limit, with a better sentence, is far below. */
-const LARGEST_FILE = 64 * 1024 * 1024;
 /** A slider in motion starts one run, not thirty. */
 const SETTLE_MS = 180;
 const LARGEST_SEED = Number.MAX_SAFE_INTEGER;
@@ -508,56 +508,22 @@ function forgetThumbnails() {
   for (const canvas of thumbnails.keys()) if (!canvas.isConnected) thumbnails.delete(canvas);
 }
 
-/** @param {File} file */
-async function openFile(file) {
+let imports = 0;
+
+/** @param {import('./import.js').Imported} imported */
+function useImported({ name, pattern, preview }) {
   unnotify();
-  if (file.size > LARGEST_FILE) {
-    complainAbout(file.name, ` has ${Math.round(file.size / 1e6)} MB; a point pattern of that size can't be used here`);
-    return;
-  }
-  try {
-    const bytes = new Uint8Array(await file.arrayBuffer());
-    /** @type {Source} */
-    const source = { source: 'file', name: file.name, bytes };
-    const { exemplar } = await link.ask({ type: 'open', exemplar: source });
-    const caption = `Your own file, ${points(exemplar.points.classes.length)}.`;
-    const choice = { title: file.name, caption, source };
-    editor.close(true);
-    showOwnCard(choice, 'own', exemplar).checked = true;
-    chosen = choice;
-    setBoundary(exemplar.boundary);
-    await begin(true);
-  } catch (error) {
-    if (error instanceof WorkerDied) return;
-    if (error instanceof Refused) complainAbout('', error.message);
-    else complainAbout(file.name, ` could not be read: ${error instanceof Error ? error.message : error}`);
-  }
+  editor.close(true);
+  /** @type {Chosen} */
+  const choice = { title: name, caption: `${preview.format}, ${points(preview.points)}.`, source: sourceOf(pattern, name), pattern };
+  showOwnCard(choice, `own-${++imports}`, viewOf(pattern)).checked = true;
+  chosen = choice;
+  setBoundary(pattern.boundary);
+  void begin(true);
 }
 
-const fileField = /** @type {HTMLInputElement} */ (element('file'));
-fileField.addEventListener('change', () => {
-  const file = fileField.files?.[0];
-  // So that the same file can be chosen again after it was mended.
-  if (file) void openFile(file).finally(() => (fileField.value = ''));
-});
-
-/** @param {DragEvent} event */
-const carriesFile = (event) => event.dataTransfer?.types.includes('Files') ?? false;
-window.addEventListener('dragover', (event) => {
-  if (!carriesFile(event)) return;
-  event.preventDefault();
-  element('drop-veil').hidden = false;
-});
-window.addEventListener('dragleave', (event) => {
-  if (event.relatedTarget === null) element('drop-veil').hidden = true;
-});
-window.addEventListener('drop', (event) => {
-  element('drop-veil').hidden = true;
-  if (!carriesFile(event)) return;
-  event.preventDefault();
-  const file = event.dataTransfer?.files[0];
-  if (file) void openFile(file);
-});
+const files = new Files();
+const importer = new Import(files, { use: useImported });
 
 // ---------------------------------------------------------------------------------------------- drawing
 
@@ -760,3 +726,11 @@ Object.assign(window, {
 onStatus('empty');
 showSliders();
 void boot();
+const requested = address.get('url');
+if (requested !== null) {
+  // Asked once; a reload is no second question.
+  const asked = new URL(location.href);
+  asked.searchParams.delete('url');
+  history.replaceState(history.state, '', asked);
+  importer.openAddress(requested);
+}

@@ -9,9 +9,10 @@ import { compact, count, inside, unit } from './pattern.js';
  * A pattern as an exemplar the engine can read. Every digit arrives: numbers are written so that they read back the same.
  *
  * @param {Pattern} pattern
+ * @param {string} [name] what the page calls it
  * @returns {Source}
  */
-export function sourceOf(pattern) {
+export function sourceOf(pattern, name = 'drawing') {
   const { positions, classes, classNames, attributes, domain, boundary } = compact(pattern);
   const text = JSON.stringify({
     domain: { min: domain.slice(0, 2), size: domain.slice(2) },
@@ -21,7 +22,7 @@ export function sourceOf(pattern) {
     class_names: classNames,
     attributes: attributes.map(({ name, values }) => ({ name, values: [...values] })),
   });
-  return { source: 'file', name: 'drawing.json', bytes: new TextEncoder().encode(text) };
+  return { source: 'file', name: `${name}.json`, bytes: new TextEncoder().encode(text) };
 }
 
 /**
