@@ -7,7 +7,7 @@ import { Files } from './files.js';
 import { Import } from './import.js';
 import { LossChart } from './loss-chart.js';
 import { blank, count } from './pattern.js';
-import { patternOf, sourceOf, viewOf } from './pattern-source.js';
+import { sourceOf, viewOf } from './pattern-source.js';
 import { Run } from './run.js';
 import { Stage } from './stage.js';
 import { Statistics } from './statistics.js';
@@ -55,6 +55,7 @@ function element(id) {
 const stage = new Stage();
 const chart = new LossChart();
 const link = new WorkerLink(`./worker.js${isTest ? '?test=1' : ''}`, patience, onWorkerDeath);
+const files = new Files();
 const engine = new Engine(link, { announce, checks: (checks) => void (run.shares = checks) });
 const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain });
 
@@ -522,7 +523,6 @@ function useImported({ name, pattern, preview }) {
   void begin(true);
 }
 
-const files = new Files();
 const importer = new Import(files, { use: useImported });
 
 // ---------------------------------------------------------------------------------------------- drawing
@@ -614,8 +614,20 @@ function onEditorClosed(kept) {
 element('draw-own').addEventListener('click', () => draw(blank(), 'A new blank exemplar'));
 element('edit').addEventListener('click', () => {
   if (chosen.pattern) draw(chosen.pattern, `Editing ${chosen.title}`);
-  else if (shown) draw(patternOf(shown), `Editing a copy of ${chosen.title}`);
+  else void drawCopy();
 });
+
+/** The exemplar to the last digit is only the worker's to give. */
+async function drawCopy() {
+  const { title, source } = chosen;
+  try {
+    const { pattern } = await link.ask({ type: 'open', exemplar: source });
+    if (chosen.source === source) draw(pattern, `Editing a copy of ${title}`);
+  } catch (error) {
+    if (error instanceof Refused) complain(error.message);
+    else if (!(error instanceof WorkerDied)) throw error;
+  }
+}
 
 // ---------------------------------------------------------------------------------------------- downloads
 
@@ -625,10 +637,10 @@ element('edit').addEventListener('click', () => {
  */
 async function download(format, mime) {
   try {
-    const { text } = await run.export(format);
+    const { bytes } = await files.write(format, await run.export());
     const name = chosen.source.name.replace(/\.[^.]*$/, '');
     const anchor = document.createElement('a');
-    anchor.href = URL.createObjectURL(new Blob([text], { type: mime }));
+    anchor.href = URL.createObjectURL(new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (bytes)], { type: mime }));
     anchor.download = `pointweave-${name}.${format}`;
     anchor.click();
     setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000);

@@ -4,16 +4,7 @@
  * before is still there to go back to. The limits are those of `src/pattern.rs`.
  */
 
-/** @typedef {{ name: string, values: Float64Array }} Attribute one value a point */
-/**
- * @typedef {object} Pattern
- * @property {Float64Array} positions `x, y, x, y, …`, inside the domain or on its border
- * @property {Uint16Array} classes one index into `classNames` a point
- * @property {string[]} classNames
- * @property {Attribute[]} attributes
- * @property {[number, number, number, number]} domain lower corner, width and height
- * @property {'open' | 'periodic'} boundary
- */
+/** @typedef {import('./messages.js').PatternData} Pattern */
 
 export const MAX_POINTS = 20_000;
 export const MAX_CLASSES = 16;

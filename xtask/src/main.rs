@@ -25,7 +25,7 @@ struct Arguments {
 enum Command {
     /// Build the page into dist/: the files of www/ and the crate as WebAssembly.
     Build(web::BuildArguments),
-    /// Build the WebAssembly module and hold its size against the budget.
+    /// Build the WebAssembly modules and hold their sizes against the budgets.
     Size,
     /// Build the page and serve it on this machine.
     Serve(serve::ServeArguments),
