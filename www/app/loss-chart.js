@@ -18,7 +18,7 @@ export class LossChart {
 
   constructor() {
     new ResizeObserver(() => this.#redraw()).observe(this.#canvas);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    window.addEventListener('themechange', () => {
       this.#colours = readColours();
       this.#redraw();
     });

@@ -3,6 +3,7 @@
 import { drawPoints, markRadius, prepare, readColours } from './draw.js';
 import { Engine } from './engine.js';
 import { LossChart } from './loss-chart.js';
+import { keepForOffline } from './offline.js';
 import { Run } from './run.js';
 import { Stage } from './stage.js';
 import { Statistics } from './statistics.js';
@@ -574,7 +575,7 @@ window.addEventListener('keydown', (event) => {
 
 // ---------------------------------------------------------------------------------------------- start
 
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawThumbnails);
+window.addEventListener('themechange', drawThumbnails);
 new ResizeObserver(drawThumbnails).observe(element('gallery'));
 
 async function boot() {
@@ -585,6 +586,7 @@ async function boot() {
     const first = begin(true);
     await Promise.all([description, gallery]);
     booted = true;
+    void keepForOffline();
     await first;
   } catch (error) {
     if (!(error instanceof WorkerDied)) throw error;

@@ -38,7 +38,7 @@ export class Stage {
 
   constructor() {
     new ResizeObserver(() => this.#layout()).observe(this.#figures);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    window.addEventListener('themechange', () => {
       this.#colours = readColours();
       this.#layout();
     });

@@ -9,7 +9,7 @@ use clap::Args;
 use flate2::{Compression, write::GzEncoder};
 use wasm_bindgen_cli_support::Bindgen;
 
-use crate::{process, requirements};
+use crate::{offline, process, requirements};
 
 /// Most bytes the compressed module may take, about what a photograph on a page weighs. Not to be raised: whatever does
 /// not fit has to become smaller or stay out.
@@ -50,6 +50,7 @@ pub(crate) fn build(arguments: &BuildArguments) -> Result<PathBuf> {
     if arguments.optimize {
         shrink(&staging.join("pkg").join(MODULE))?;
     }
+    offline::stamp(&staging)?;
     let dist = dist();
     remove(&dist)?;
     fs::rename(&staging, &dist)
