@@ -29,6 +29,17 @@ export class LossChart {
     return this.#losses.map(({ gram, correlation }) => gram + correlation);
   }
 
+  /** The curve as numbers, for another visit. */
+  get record() {
+    return { losses: this.#losses, scales: this.#scales };
+  }
+
+  set record({ losses, scales }) {
+    this.#losses = [...losses];
+    this.#scales = [...scales];
+    this.#redraw();
+  }
+
   /** @param {number} [iterations] how many of the first ones to keep */
   keep(iterations = 0) {
     this.#losses.length = Math.min(this.#losses.length, iterations);

@@ -5,6 +5,7 @@ import { Engine } from './engine.js';
 import { LossChart } from './loss-chart.js';
 import { keepForOffline } from './offline.js';
 import { Run } from './run.js';
+import { Session, fillForm, readForm } from './session.js';
 import { Stage } from './stage.js';
 import { Statistics } from './statistics.js';
 import { duration, points, times } from './words.js';
@@ -50,12 +51,16 @@ const stage = new Stage();
 const chart = new LossChart();
 const link = new WorkerLink(`./worker.js${isTest ? '?test=1' : ''}`, patience, onWorkerDeath);
 const engine = new Engine(link, { announce, checks: (checks) => void (run.shares = checks) });
-const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain });
+const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain, saved: keepSession });
 
 const statistics = new Statistics(link, { status: () => run.status, announce });
 
+/** A page in a frame is its host's to keep. */
+const session = new Session(window === window.top);
+
 /** @type {Chosen} */
-let chosen = { title: 'Rings', caption: '', source: { source: 'gallery', name: FIRST } };
+const usual = { title: 'Rings', caption: '', source: { source: 'gallery', name: FIRST } };
+let chosen = usual;
 /** @type {Progress | null} */
 let progress = null;
 /** @type {import('./messages.js').Parameters | null} */
@@ -145,6 +150,8 @@ function onStarted(started) {
   parameters = started.parameters;
   chart.keep(started.progress.totalIterations);
   stage.show(started.exemplar, started.output);
+  const own = element('gallery').querySelector('input[value="own"]');
+  if (chosen.source.source !== 'gallery' && !own) showOwn(chosen, started.exemplar);
   const { exemplar, output } = started;
   const outputCount = output.points.classes.length;
   element('exemplar-title').textContent = chosen.title;
@@ -246,7 +253,7 @@ async function reset() {
 
 // ---------------------------------------------------------------------------------------------- settings
 
-const settings = element('settings');
+const settings = /** @type {HTMLFormElement} */ (element('settings'));
 const [slideX, slideY] = [element('expansion-x'), element('expansion-y')].map(
   (slider) => /** @type {HTMLInputElement} */ (slider),
 );
@@ -289,6 +296,22 @@ function readSeed() {
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let settling;
 
+/** A preset to begin with; the page's own come with the worker's first answer. */
+let firstPreset = 'fast';
+
+/** What the settings say. @param {number} seed @returns {import('./run.js').Plan} */
+const planned = (seed) => ({
+  source: chosen.source,
+  preset: radio('preset') ?? firstPreset,
+  overrides: {
+    'expansion-x': Number(slideX.value),
+    'expansion-y': Number(slideY.value),
+    ...(knowsBoundary && { boundary: radio('boundary') ?? 'open' }),
+    seed,
+    ...replaced,
+  },
+});
+
 /** Starts a run with the settings as they are. @param {boolean} play */
 function begin(play) {
   clearTimeout(settling);
@@ -297,20 +320,7 @@ function begin(play) {
     complain(`the seed must be a whole number between 0 and ${LARGEST_SEED}`);
     return Promise.resolve(false);
   }
-  return run.start(
-    {
-      source: chosen.source,
-      preset: radio('preset') ?? 'fast',
-      overrides: {
-        'expansion-x': Number(slideX.value),
-        'expansion-y': Number(slideY.value),
-        ...(knowsBoundary && { boundary: radio('boundary') ?? 'open' }),
-        seed,
-        ...replaced,
-      },
-    },
-    play,
-  );
+  return run.start(planned(seed), play);
 }
 
 function beginSoon() {
@@ -372,10 +382,10 @@ settings.addEventListener('submit', (event) => {
 function showDescription({ engine: processor, presets, ranges }) {
   engine.describe(processor);
   if (element('presets').children.length === 0) {
-    for (const [index, { name, title }] of presets.entries()) {
+    for (const { name, title } of presets) {
       const label = document.createElement('label');
       const input = document.createElement('input');
-      Object.assign(input, { type: 'radio', name: 'preset', value: name, defaultChecked: index === 0 });
+      Object.assign(input, { type: 'radio', name: 'preset', value: name, defaultChecked: name === firstPreset });
       input.setAttribute('aria-describedby', 'hint-preset');
       const words = document.createElement('span');
       words.textContent = title;
@@ -459,7 +469,7 @@ function showGallery(entries) {
   for (const { name, title, caption, pattern } of entries) {
     const choice = { title, caption, source: /** @type {Source} */ ({ source: 'gallery', name }) };
     const { card, input } = exemplarCard(choice, name, pattern);
-    if (chosen.source.name === name) {
+    if (chosen.source.source === 'gallery' && chosen.source.name === name) {
       input.checked = true;
       chosen = choice;
       if (!knowsBoundary) setBoundary(pattern.boundary);
@@ -468,6 +478,23 @@ function showGallery(entries) {
     }
     gallery.append(card);
   }
+  drawThumbnails();
+}
+
+/**
+ * Puts an exemplar that is not of the gallery before it, in place of the one before.
+ *
+ * @param {Chosen} choice
+ * @param {PatternView} pattern
+ */
+function showOwn(choice, pattern) {
+  const { card, input } = exemplarCard(choice, 'own', pattern);
+  const gallery = element('gallery');
+  gallery.querySelector('input[value="own"]')?.closest('label')?.remove();
+  gallery.prepend(card);
+  gallery.scrollTo({ top: 0, left: 0 });
+  input.checked = true;
+  for (const canvas of thumbnails.keys()) if (!canvas.isConnected) thumbnails.delete(canvas);
   drawThumbnails();
 }
 
@@ -485,14 +512,7 @@ async function openFile(file) {
     const { exemplar } = await link.ask({ type: 'open', exemplar: source });
     const caption = `Your own file, ${points(exemplar.points.classes.length)}.`;
     const choice = { title: file.name, caption, source };
-    const { card, input } = exemplarCard(choice, 'own', exemplar);
-    const gallery = element('gallery');
-    gallery.querySelector('input[value="own"]')?.closest('label')?.remove();
-    gallery.prepend(card);
-    gallery.scrollTo({ top: 0, left: 0 });
-    input.checked = true;
-    for (const canvas of thumbnails.keys()) if (!canvas.isConnected) thumbnails.delete(canvas);
-    drawThumbnails();
+    showOwn(choice, exemplar);
     chosen = choice;
     setBoundary(exemplar.boundary);
     await begin(true);
@@ -578,13 +598,61 @@ window.addEventListener('keydown', (event) => {
 window.addEventListener('themechange', drawThumbnails);
 new ResizeObserver(drawThumbnails).observe(element('gallery'));
 
+/** Writes down where this tab stands, for a reload. @param {string} state of the run */
+function keepSession(state) {
+  session.keep({
+    chosen,
+    settings: readForm(settings),
+    fragment: location.hash,
+    status: run.status,
+    state,
+    curve: chart.record,
+  });
+}
+
+/** Puts the settings of another visit in place. @param {import('./session.js').Kept} kept */
+function restore({ chosen: before, settings: values, curve }) {
+  chosen = before;
+  const { engine: _, preset, boundary, ...rest } = values;
+  fillForm(settings, rest);
+  firstPreset = typeof preset === 'string' ? preset : firstPreset;
+  if (boundary === 'open' || boundary === 'periodic') setBoundary(boundary);
+  stage.tiles = /** @type {HTMLInputElement} */ (element('tiles')).checked;
+  readSeed();
+  showSliders();
+  chart.record = curve;
+}
+
+/** Goes on with what this tab did before it was loaded again; false when there is nothing. */
+async function continueSession() {
+  const kept = await session.recall();
+  if (!kept || kept.fragment !== location.hash) return false;
+  restore(kept);
+  const seed = readSeed();
+  if (seed === null || kept.state === null) return begin(true);
+  if (await run.resume(planned(seed), kept.state, kept.status !== 'paused')) return true;
+  unnotify();
+  return begin(true);
+}
+
 async function boot() {
   try {
+    const continued = continueSession();
     // The worker answers in order: the run is on its way while the page is still being filled.
     const description = link.ask({ type: 'describe' }).then(showDescription);
-    const gallery = link.ask({ type: 'gallery' }).then(({ entries }) => showGallery(entries));
-    const first = begin(true);
-    await Promise.all([description, gallery]);
+    const gallery = link.ask({ type: 'gallery' });
+    const first = continued.then(async (goesOn) => {
+      if (goesOn) return;
+      if (run.status === 'empty' && chosen !== usual) {
+        // What was kept can't be used any more.
+        unnotify();
+        settings.reset();
+        [chosen, firstPreset, knowsBoundary] = [usual, 'fast', false];
+        showSliders();
+      }
+      await begin(true);
+    });
+    await Promise.all([description, gallery.then(({ entries }) => showGallery(entries))]);
     booted = true;
     void keepForOffline();
     await first;
