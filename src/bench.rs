@@ -23,6 +23,7 @@ use crate::engine::{
 };
 #[cfg(not(target_arch = "wasm32"))]
 use crate::method::FilterBank;
+use crate::method::cost::direct_operations;
 use crate::method::schedule::Scale;
 use crate::method::{Parameters, Preset};
 use crate::sampling::{Purpose, Rng, poisson_disk};
@@ -198,7 +199,7 @@ pub fn run(workload: &Workload, now: &dyn Fn() -> f64) -> Result<Report, Workloa
         seconds_per_iteration: median,
         stages,
         longest_step_seconds: longest,
-        effective_gflops: direct_operations(grid, channels) / median / 1e9,
+        effective_gflops: direct_operations(grid.map(|side| side as f64), channels as f64) / median / 1e9,
         engine: format!("CPU, {} threads", parallel::threads()),
         threads: parallel::threads(),
         gpu: None,
@@ -248,7 +249,7 @@ pub fn run_on_gpu(workload: &Workload, gpu: &Arc<Gpu>, memory: u64) -> Result<Re
     let mut rng = Rng::new(seed, Purpose::Gallery);
     let image: Vec<f32> = (0..grid[0] * grid[1] * padded(channels)).map(|_| rng.range(-1.0, 1.0) as f32).collect();
     let direct_seconds = Direct::new(gpu, geometry, channels, &bank.layers[1], &image).seconds()?;
-    let direct = direct_operations(grid, channels);
+    let direct = direct_operations(grid.map(|side| side as f64), channels as f64);
     let of = |stage: Stage| timing.stages.get(stage.name()).copied().unwrap_or(0.0);
     let convolutions = of(Stage::Convolution) + of(Stage::ConvolutionGradient);
     Ok(Report {
@@ -268,13 +269,6 @@ pub fn run_on_gpu(workload: &Workload, gpu: &Arc<Gpu>, memory: u64) -> Result<Re
         loss,
         workload: workload.clone(),
     })
-}
-
-/// Operations of the four convolutions done directly, forward and with respect to the input.
-fn direct_operations(grid: [usize; 2], channels: usize) -> f64 {
-    let (pixels, channels) = ((grid[0] * grid[1]) as f64, channels as f64);
-    let pairs = pixels * channels * (5.0 + channels + channels / 4.0 + channels / 16.0);
-    2.0 * 2.0 * 49.0 * pairs
 }
 
 /// All stage names in their order, for tables.

@@ -15,3 +15,11 @@ declare module '*/pkg/pointweave.js' {
     free(): void;
   }
 }
+
+declare module '*/pkg/pointweave_files.js' {
+  export default function init(): Promise<unknown>;
+  /** For those who hold the bytes of the module already. */
+  export function initSync(options: { module: BufferSource }): unknown;
+  /** Answers one request, see `www/app/files-messages.js`. */
+  export function answer(request: unknown): any;
+}

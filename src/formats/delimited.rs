@@ -86,15 +86,29 @@ pub fn write_csv(pattern: &PointPattern) -> String {
     let with_class = names != ["points"];
     if with_class && !order_shows(pattern) {
         text.push_str("# classes: ");
-        push_row(&mut text, names);
+        push_row(&mut text, names, ',');
     }
+    push_table(&mut text, pattern, with_class, ',');
+    text
+}
 
+/// Writes a pattern as cells for the clipboard: a header, then one row a point, separated by tabs. A spreadsheet would
+/// take a comment for a cell, so the domain and classes without points are left out.
+#[must_use]
+pub fn write_tsv(pattern: &PointPattern) -> String {
+    let mut text = String::new();
+    push_table(&mut text, pattern, pattern.class_names() != ["points"], '\t');
+    text
+}
+
+fn push_table(text: &mut String, pattern: &PointPattern, with_class: bool, delimiter: char) {
+    let names = pattern.class_names();
     let mut cells = vec!["x".to_owned(), "y".to_owned()];
     if with_class {
         cells.push("class".to_owned());
     }
     cells.extend(pattern.attributes().iter().map(|attribute| header_name(&attribute.name)));
-    push_row(&mut text, &cells);
+    push_row(text, &cells, delimiter);
     for (i, position) in pattern.positions().iter().enumerate() {
         cells.clear();
         cells.extend([number_text(position.x), number_text(position.y)]);
@@ -102,9 +116,8 @@ pub fn write_csv(pattern: &PointPattern) -> String {
             cells.push(names[usize::from(pattern.classes()[i])].clone());
         }
         cells.extend(pattern.attributes().iter().map(|attribute| number_text(attribute.values[i])));
-        push_row(&mut text, &cells);
+        push_row(text, &cells, delimiter);
     }
-    text
 }
 
 /// Whether the rows alone tell the classes and their order: each appears, in order, and has no blanks at its ends.
@@ -129,10 +142,10 @@ fn header_name(name: &str) -> String {
     }
 }
 
-fn push_row(text: &mut String, cells: &[String]) {
+fn push_row(text: &mut String, cells: &[String], delimiter: char) {
     for (i, cell) in cells.iter().enumerate() {
         if i > 0 {
-            text.push(',');
+            text.push(delimiter);
         }
         if cell.contains([',', '"', '#', '\n', '\r', ';', '\t', ' ']) {
             text.push('"');

@@ -16,12 +16,14 @@ pub enum Place {
         /// The field within the line.
         column: usize,
     },
-    /// An entry of the list of points in a JSON file.
+    /// An entry of the list of points in a JSON file or of a NumPy array.
     Entry {
         /// The entry of the list.
         entry: usize,
         /// The value within the entry.
         value: usize,
+        /// Line and character where the entry begins, in a file of text.
+        at: Option<(usize, usize)>,
     },
 }
 
@@ -29,7 +31,10 @@ impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Line { line, column } => write!(f, "line {line}, column {column}"),
-            Self::Entry { entry, value } => write!(f, "point {entry} of the list, value {value}"),
+            Self::Entry { entry, value, at: None } => write!(f, "point {entry} of the list, value {value}"),
+            Self::Entry { entry, value, at: Some((line, column)) } => {
+                write!(f, "line {line}, column {column} (point {entry} of the list, value {value})")
+            }
         }
     }
 }
@@ -47,10 +52,32 @@ pub enum FormatError {
         max: usize,
     },
     /// A known kind of file that is not read.
-    #[error("this is {kind}; what can be read is CSV, TSV, whitespace-separated text and JSON")]
+    #[error(
+        "this is {kind}; what can be read is CSV, TSV, whitespace-separated text, JSON, GeoJSON, SVG, NumPy arrays and \
+         pictures"
+    )]
     Kind {
         /// What it looks like.
         kind: &'static str,
+    },
+    /// A picture in a format that only a browser decodes here: its pixels can be given to
+    /// [`find_blobs`](super::find_blobs).
+    #[error("this is {kind}; save it as PNG, so that its points can be looked for")]
+    Picture {
+        /// What it looks like.
+        kind: &'static str,
+    },
+    /// A picture that can't be decoded, or shows no points.
+    #[error("the picture can't be used: {reason}")]
+    Pixels {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A NumPy array of another shape or type.
+    #[error("the NumPy array can't be used: {reason}")]
+    Array {
+        /// What is wrong with it.
+        reason: String,
     },
     /// Bytes that are not UTF-8.
     #[error("line {line}: byte {byte:#04x} is not UTF-8; save the file as UTF-8 text")]
@@ -164,6 +191,31 @@ pub enum FormatError {
     /// The values are each fine, but together no pattern.
     #[error(transparent)]
     Pattern(#[from] PatternError),
+}
+
+impl FormatError {
+    /// The line and, when one is known, the column, both from 1.
+    #[must_use]
+    pub fn position(&self) -> Option<(usize, Option<usize>)> {
+        match *self {
+            Self::TooMany { place, .. }
+            | Self::Value { place, .. }
+            | Self::Outside { place, .. }
+            | Self::Columns { place, .. }
+            | Self::DuplicateColumn { place, .. } => match place {
+                Place::Line { line, column } | Place::Entry { at: Some((line, column)), .. } => {
+                    Some((line, Some(column)))
+                }
+                Place::Entry { at: None, .. } => None,
+            },
+            Self::Syntax { line, column, .. } if line > 0 => Some((line, Some(column))),
+            Self::NotUtf8 { line, .. }
+            | Self::LongLine { line, .. }
+            | Self::MissingColumn { line, .. }
+            | Self::Declaration { line, .. } => Some((line, None)),
+            _ => None,
+        }
+    }
 }
 
 /// A piece of input as it may stand in a message: at most 40 characters.

@@ -6,16 +6,17 @@
 //! [[0.5, 0.5], [0.25, 0.75]]
 //! {"points": [{"x": 0.5, "y": 0.5, "class": "oak", "radius": 0.1}], "domain": [0, 0, 1, 1], "boundary": "open"}
 //! ```
+//! Projects and GeoJSON are JSON too: see `project.rs` and `geojson.rs`.
 
 use glam::DVec2;
 use serde::Deserialize as _;
 use serde_json::{Map, Value};
 
-use super::ReadOptions;
 use super::declaration::Declared;
 use super::error::{FormatError, clip};
 use super::guess::guess_domain;
 use super::table::{Row, RowPlace, Table};
+use super::{FileFormat, ReadOptions, Reading, geojson, project};
 use crate::domain::{Boundary, Domain};
 use crate::pattern::PointPattern;
 
@@ -24,16 +25,24 @@ use crate::pattern::PointPattern;
 const MAX_COMMAS: usize = 3_000_000;
 
 /// Reads any of the JSON layouts.
-pub(super) fn read(text: &str, options: &ReadOptions) -> Result<PointPattern, FormatError> {
+pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatError> {
     let commas = text.bytes().filter(|&byte| byte == b',').count();
     if commas > MAX_COMMAS {
         return Err(layout(format!("there are more than {MAX_COMMAS} values; a pattern has fewer")));
     }
     match serde_json::from_str(text).map_err(|error| located(&error))? {
-        Value::Array(points) => points_table(&points, Declared::default())?.into_pattern(options),
+        Value::Array(points) => {
+            let places = entry_places(text, &[]);
+            points_table(&points, &places, Declared::default())?.into_reading(FileFormat::Json, options)
+        }
+        Value::Object(object) if project::is_project(&object) => project::read(object, options),
         Value::Object(object) if object.contains_key("positions") => own(text, object, options),
+        Value::Object(object) if geojson::is_geojson(&object) => geojson::read(text, &object, options),
         Value::Object(object) => match object.get("points") {
-            Some(Value::Array(points)) => points_table(points, declared(&object)?)?.into_pattern(options),
+            Some(Value::Array(points)) => {
+                let places = entry_places(text, &["points"]);
+                points_table(points, &places, declared(&object)?)?.into_reading(FileFormat::Json, options)
+            }
             Some(other) => Err(layout(format!("'points' is {}, but must be a list", kind(other)))),
             None => {
                 let keys: Vec<_> = object.keys().map(|key| format!("'{key}'")).collect();
@@ -59,7 +68,8 @@ pub fn write_json(pattern: &PointPattern) -> String {
 }
 
 /// The layout of [`PointPattern`] itself; without a domain the usual rule finds one.
-fn own(text: &str, mut object: Map<String, Value>, options: &ReadOptions) -> Result<PointPattern, FormatError> {
+fn own(text: &str, mut object: Map<String, Value>, options: &ReadOptions) -> Result<Reading, FormatError> {
+    let is_domain_declared = options.domain.is_some() || object.contains_key("domain");
     let pattern: PointPattern = if object.contains_key("domain") {
         // From the text, not from the values: so a wrong one has a line and a column.
         serde_json::from_str(text).map_err(|error| located(&error))?
@@ -78,19 +88,13 @@ fn own(text: &str, mut object: Map<String, Value>, options: &ReadOptions) -> Res
         object.insert("domain".to_owned(), serde_json::to_value(domain).map_err(|error| located(&error))?);
         serde_json::from_value(Value::Object(object)).map_err(|error| layout(error.to_string()))?
     };
-    let boundary = options.boundary.unwrap_or(pattern.boundary());
-    let Some(domain) = options.domain else { return Ok(pattern.with_boundary(boundary)) };
-    let mut moved = PointPattern::new(domain, pattern.positions().to_vec())?
-        .with_boundary(boundary)
-        .with_classes(pattern.classes().to_vec(), pattern.class_names().to_vec())?;
-    for attribute in pattern.attributes() {
-        moved = moved.with_attribute(attribute.clone())?;
-    }
-    Ok(moved)
+    let mut reading = Reading::new(FileFormat::Json, options.apply(pattern)?);
+    reading.is_domain_declared = is_domain_declared;
+    Ok(reading)
 }
 
 /// `[x, y, …]` or `{"x": …, "y": …, …}`, as rows of the same table that text files give.
-fn points_table(points: &[Value], declared: Declared) -> Result<Table, FormatError> {
+fn points_table(points: &[Value], places: &[(usize, usize)], declared: Declared) -> Result<Table, FormatError> {
     let mut table = Table::new(declared);
     let mut keys: Vec<&str> = Vec::new();
     if let Some(Value::Object(first)) = points.first() {
@@ -98,14 +102,19 @@ fn points_table(points: &[Value], declared: Declared) -> Result<Table, FormatErr
         for name in ["x", "y"] {
             if !keys.iter().any(|key| key.eq_ignore_ascii_case(name)) {
                 let found = clip(&keys.join(", "));
-                return Err(layout(format!("point 1 of the list has no '{name}'; it has {found}")));
+                let message = format!("point 1 of the list has no '{name}'; it has {found}");
+                return Err(layout_at(places.first().copied(), message));
             }
         }
-        table.push(Row { place: RowPlace::Entry(1), cells: keys.iter().map(|key| (*key).to_owned()).collect() })?;
+        table.push(Row {
+            place: RowPlace::Entry(1, places.first().copied()),
+            cells: keys.iter().map(|key| (*key).to_owned()).collect(),
+        })?;
     }
     for (index, point) in points.iter().enumerate() {
-        let place = RowPlace::Entry(index + 1);
-        let wrong = |message: String| layout(format!("point {} of the list {message}", index + 1));
+        let at = places.get(index).copied();
+        let place = RowPlace::Entry(index + 1, at);
+        let wrong = |message: String| layout_at(at, format!("point {} of the list {message}", index + 1));
         let cells = match point {
             Value::Array(values) if keys.is_empty() => values.iter().map(cell).collect(),
             Value::Object(values) if !keys.is_empty() => {
@@ -132,7 +141,7 @@ fn points_table(points: &[Value], declared: Declared) -> Result<Table, FormatErr
 }
 
 /// A JSON value as the text of a cell.
-fn cell(value: &Value) -> String {
+pub(super) fn cell(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         // An empty cell, which no column accepts; "null" would pass for the name of a class.
@@ -161,7 +170,7 @@ fn declared(object: &Map<String, Value>) -> Result<Declared, FormatError> {
     Ok(declared)
 }
 
-fn kind(value: &Value) -> &'static str {
+pub(super) fn kind(value: &Value) -> &'static str {
     match value {
         Value::Null => "null",
         Value::Bool(_) => "true or false",
@@ -172,12 +181,87 @@ fn kind(value: &Value) -> &'static str {
     }
 }
 
-fn layout(message: String) -> FormatError {
-    FormatError::Syntax { line: 0, column: 0, message: format!("the JSON can't be used: {message}") }
+pub(super) fn layout(message: String) -> FormatError {
+    layout_at(None, message)
+}
+
+/// The same with the line and character of what it is about.
+pub(super) fn layout_at(at: Option<(usize, usize)>, message: String) -> FormatError {
+    let (line, column) = at.unwrap_or((0, 0));
+    FormatError::Syntax { line, column, message: format!("the JSON can't be used: {message}") }
+}
+
+/// Line and character, from 1, of every entry of the list that `path` leads to, from one member to the next. The text
+/// must be JSON; where the path leads nowhere there are no entries.
+pub(super) fn entry_places(text: &str, path: &[&str]) -> Vec<(usize, usize)> {
+    let mut places = Vec::new();
+    // The key under which each open bracket stands; None in a list.
+    let mut keys: Vec<Option<String>> = Vec::new();
+    let mut line = 1;
+    // Up to where the characters of the line are counted, and how many there are.
+    let (mut counted_to, mut characters) = (0, 0);
+    // Whether a value may begin here, and not a key.
+    let mut awaits_value = true;
+    let mut key = String::new();
+    let bytes = text.as_bytes();
+    let mut at = 0;
+    let is_list = |keys: &[Option<String>], open: &[u8]| {
+        keys.len() == path.len() + 1
+            && open.last() == Some(&b'[')
+            && keys[1..].iter().zip(path).all(|(key, wanted)| key.as_deref() == Some(*wanted))
+    };
+    let mut open: Vec<u8> = Vec::new();
+    while let Some(&byte) = bytes.get(at) {
+        let begins = awaits_value && !byte.is_ascii_whitespace() && !matches!(byte, b']' | b'}' | b',' | b':');
+        if begins && is_list(&keys, &open) {
+            characters += text.get(counted_to..at).map_or(0, |passed| passed.chars().count());
+            counted_to = at;
+            places.push((line, 1 + characters));
+        }
+        let inside_object = open.last() == Some(&b'{');
+        match byte {
+            b'\n' => {
+                line += 1;
+                (counted_to, characters) = (at + 1, 0);
+            }
+            b'{' | b'[' => {
+                keys.push(inside_object.then(|| std::mem::take(&mut key)));
+                open.push(byte);
+                awaits_value = byte == b'[';
+                at += 1;
+                continue;
+            }
+            b'}' | b']' => {
+                keys.pop();
+                open.pop();
+            }
+            b',' => awaits_value = !inside_object,
+            b':' => awaits_value = true,
+            b'"' => {
+                let start = at + 1;
+                at = start;
+                while let Some(&inner) = bytes.get(at) {
+                    match inner {
+                        b'\\' => at += 2,
+                        b'"' => break,
+                        _ => at += 1,
+                    }
+                }
+                if inside_object && !awaits_value {
+                    key = text.get(start..at).unwrap_or_default().to_owned();
+                }
+                awaits_value = false;
+            }
+            byte if byte.is_ascii_whitespace() => {}
+            _ => awaits_value = false,
+        }
+        at += 1;
+    }
+    places
 }
 
 /// The library's words, with the place in front as in every other format.
-fn located(error: &serde_json::Error) -> FormatError {
+pub(super) fn located(error: &serde_json::Error) -> FormatError {
     let message = error.to_string();
     let place = format!(" at line {} column {}", error.line(), error.column());
     let message = message.strip_suffix(&place).unwrap_or(&message);

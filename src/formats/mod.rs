@@ -3,6 +3,11 @@
 //! # What can be read
 //! | format | told by |
 //! |---|---|
+//! | NumPy array ([`write_npy`]'s layout, N × 2 and more) | its first bytes |
+//! | PNG (dark or light blobs become points, see [`find_blobs`]) | its first bytes; natively only, a page decodes by itself |
+//! | SVG (circles and ellipses become points) | the first character is `<`, and there is an `<svg` |
+//! | project ([`Project`]) | JSON with a member `pointweave-project` |
+//! | GeoJSON points | JSON with a `type` that GeoJSON knows |
 //! | JSON ([`write_json`]'s layout, `[[x, y], …]`, `{"points": […]}`) | the first character is `{` or `[`, or the name ends in `.json` |
 //! | the reference implementation's text | whole numbers `class x y …`, with a first line `K id…` or classes 1000, 2000, … |
 //! | TSV, semicolon-separated text, CSV | the first line of data holds a tab, else a semicolon, else a comma |
@@ -32,25 +37,36 @@
 mod declaration;
 mod delimited;
 mod error;
+mod geojson;
 mod guess;
 mod json;
+pub mod link;
+mod npy;
+mod picture;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod png;
+mod preview;
+mod project;
 mod reference;
 pub mod style;
 pub(crate) mod svg;
+mod svg_points;
 mod table;
 mod whitespace;
 
-pub use delimited::write_csv;
+pub use delimited::{write_csv, write_tsv};
 pub use error::{FormatError, Place};
 pub use json::write_json;
+pub use npy::write_npy;
+pub use picture::{BlobOptions, Blobs, Ink, Picture, find_blobs};
 #[cfg(not(target_arch = "wasm32"))]
 pub use png::{PngError, PngStyle, draw, encode_png, write_png};
+pub use preview::{AttributePreview, ClassPreview, Preview};
+pub use project::{Project, write_project};
 pub use svg::{SvgStyle, write_svg};
 
 use crate::domain::{Boundary, Domain};
-use crate::pattern::PointPattern;
+use crate::pattern::{PatternError, PointPattern};
 
 /// Most bytes of a file. The largest pattern with eight attributes takes about 5 MB.
 pub const MAX_BYTES: usize = 20_000_000;
@@ -66,14 +82,110 @@ pub struct ReadOptions {
     pub boundary: Option<Boundary>,
 }
 
+impl ReadOptions {
+    /// The pattern in the rectangle and with the boundary the caller knows.
+    fn apply(&self, pattern: PointPattern) -> Result<PointPattern, PatternError> {
+        let boundary = self.boundary.unwrap_or(pattern.boundary());
+        let Some(domain) = self.domain else { return Ok(pattern.with_boundary(boundary)) };
+        let mut moved = PointPattern::new(domain, pattern.positions().to_vec())?
+            .with_boundary(boundary)
+            .with_classes(pattern.classes().to_vec(), pattern.class_names().to_vec())?;
+        for attribute in pattern.attributes() {
+            moved = moved.with_attribute(attribute.clone())?;
+        }
+        Ok(moved)
+    }
+}
+
+/// What a file turned out to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileFormat {
+    /// Columns separated by tabs, semicolons or commas.
+    Delimited,
+    /// Columns separated by blanks.
+    Text,
+    /// The text of the method's public reference implementation.
+    Reference,
+    /// A pattern or a list of points.
+    Json,
+    /// A whole session.
+    Project,
+    /// Points in space, taken as planar.
+    GeoJson,
+    /// Circles of a drawing.
+    Svg,
+    /// A NumPy array.
+    Npy,
+    /// Blobs of a picture.
+    Picture,
+}
+
+impl FileFormat {
+    /// What a person calls it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Delimited => "CSV or TSV",
+            Self::Text => "text in columns",
+            Self::Reference => "text of the reference implementation",
+            Self::Json => "JSON",
+            Self::Project => "Pointweave project",
+            Self::GeoJson => "GeoJSON",
+            Self::Svg => "SVG",
+            Self::Npy => "NumPy array",
+            Self::Picture => "picture",
+        }
+    }
+}
+
+/// A file as it was understood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    /// What it is.
+    pub format: FileFormat,
+    /// Its points; of a project the exemplar.
+    pub pattern: PointPattern,
+    /// Whether the file or the caller told the domain; otherwise it was found from the points.
+    pub is_domain_declared: bool,
+    /// What was left out or changed, in sentences.
+    pub notes: Vec<String>,
+    /// What else a project holds.
+    pub project: Option<Project>,
+}
+
+impl Reading {
+    fn new(format: FileFormat, pattern: PointPattern) -> Self {
+        Self { format, pattern, is_domain_declared: false, notes: Vec::new(), project: None }
+    }
+}
+
 /// Reads a pattern; see the module's words on formats, columns and the domain. The file's name only helps where the
-/// bytes leave a doubt.
+/// bytes leave a doubt. Of a project it is the exemplar.
 ///
 /// # Errors
 /// With the place, the value and what is allowed.
 pub fn read(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Result<PointPattern, FormatError> {
+    open(bytes, file_name, options).map(|reading| reading.pattern)
+}
+
+/// Reads a pattern and tells what the file turned out to be.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn open(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Result<Reading, FormatError> {
     if bytes.len() > MAX_BYTES {
         return Err(FormatError::TooLarge { bytes: bytes.len(), max: MAX_BYTES });
+    }
+    if bytes.starts_with(npy::MAGIC) {
+        return npy::read(bytes, options);
+    }
+    if let Some(kind) = picture_kind(bytes) {
+        #[cfg(not(target_arch = "wasm32"))]
+        if bytes.starts_with(png::MAGIC) {
+            let picture = png::decode(bytes)?;
+            return find_blobs(&picture, &BlobOptions::default(), options).map(|blobs| blobs.reading);
+        }
+        return Err(FormatError::Picture { kind });
     }
     if let Some(kind) = foreign(bytes) {
         return Err(FormatError::Kind { kind });
@@ -92,6 +204,13 @@ pub fn read(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
     if text.trim_start().starts_with(['{', '[']) || named_json {
         return json::read(text, options);
     }
+    if text.trim_start().starts_with('<') {
+        return if text.contains("<svg") || text.contains(":svg") {
+            svg_points::read(text, options)
+        } else {
+            Err(FormatError::Kind { kind: "XML or HTML" })
+        };
+    }
     // Some programs end lines with a carriage return alone.
     let returns_only;
     let text = if text.contains('\r') && !text.contains('\n') {
@@ -106,13 +225,12 @@ pub fn read(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
         }
     }
     if let Some(table) = reference::read(text) {
-        return table?.into_pattern(options);
+        return table?.into_reading(FileFormat::Reference, options);
     }
-    let table = match delimiter(text) {
-        Some(delimiter) => delimited::read(text, delimiter)?,
-        None => whitespace::read(text)?,
-    };
-    table.into_pattern(options)
+    match delimiter(text) {
+        Some(delimiter) => delimited::read(text, delimiter)?.into_reading(FileFormat::Delimited, options),
+        None => whitespace::read(text)?.into_reading(FileFormat::Text, options),
+    }
 }
 
 /// What separates the columns of the first line of data; `None` is blanks.
@@ -123,25 +241,30 @@ fn delimiter(text: &str) -> Option<u8> {
     [b'\t', b';', b','].into_iter().find(|&byte| bare.trim().contains(char::from(byte)))
 }
 
+/// Names pictures.
+fn picture_kind(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.get(..4) == Some(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") {
+        return Some("a WebP picture");
+    }
+    if bytes.get(4..12).is_some_and(|start| start == b"ftypavif" || start == b"ftypavis") {
+        return Some("an AVIF picture");
+    }
+    let known: [(&[u8], &str); 3] =
+        [(b"\x89PNG", "a PNG picture"), (b"\xff\xd8\xff", "a JPEG picture"), (b"GIF8", "a GIF picture")];
+    known.iter().find(|(start, _)| bytes.starts_with(start)).map(|&(_, kind)| kind)
+}
+
 /// Names well-known files that are not patterns, instead of complaining about their first byte.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
-    let known: [(&[u8], &str); 9] = [
-        (b"\x89PNG", "a PNG picture"),
-        (b"\xff\xd8\xff", "a JPEG picture"),
-        (b"GIF8", "a GIF picture"),
+    let known: [(&[u8], &str); 5] = [
         (b"%PDF", "a PDF document"),
         (b"PK\x03\x04", "a ZIP archive or a spreadsheet (save the sheet as CSV)"),
         (b"\x1f\x8b", "a gzip archive"),
-        (b"\x93NUMPY", "a NumPy array (save it with numpy.savetxt)"),
         (b"\xff\xfe", "UTF-16 text (save it as UTF-8)"),
         (b"\xfe\xff", "UTF-16 text (save it as UTF-8)"),
     ];
     if let Some((_, kind)) = known.iter().find(|(start, _)| bytes.starts_with(start)) {
         return Some(kind);
-    }
-    let start = bytes.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0);
-    if bytes[start..].starts_with(b"<") {
-        return Some("XML or HTML");
     }
     bytes.iter().take(1000).any(|&byte| byte == 0).then_some("binary data")
 }

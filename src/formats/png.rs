@@ -1,12 +1,44 @@
-//! PNG, and drawing into any pixmap. Native only: the page draws on its own canvas.
+//! PNG, and drawing into any pixmap. Native only: the page decodes by itself and draws on its own canvas.
+
+use std::io::Cursor;
 
 use glam::DVec2;
 use thiserror::Error;
 use tiny_skia::{FillRule, Mask, Paint, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
+use super::error::FormatError;
+use super::picture::{MAX_PIXELS, Picture};
 use super::style::{self, Color, Layout, Look};
 use super::svg::Ring;
 use crate::pattern::PointPattern;
+
+/// What every PNG begins with.
+pub(super) const MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// Decodes a PNG of any kind.
+pub(super) fn decode(bytes: &[u8]) -> Result<Picture, FormatError> {
+    let refuse = |reason: String| FormatError::Pixels { reason };
+    let broken = |error: png::DecodingError| refuse(format!("it is no proper PNG: {error}"));
+    let limits = png::Limits { bytes: 8 * MAX_PIXELS };
+    let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), limits);
+    decoder.set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
+    let mut reader = decoder.read_info().map_err(broken)?;
+    let (width, height) = (reader.info().width, reader.info().height);
+    let count = width as usize * height as usize;
+    if count > MAX_PIXELS {
+        return Err(refuse(format!("it has {width} × {height} pixels; at most {MAX_PIXELS} are allowed")));
+    }
+    let size = reader.output_buffer_size().ok_or_else(|| refuse("it is too large".to_owned()))?;
+    let mut decoded = vec![0; size];
+    let frame = reader.next_frame(&mut decoded).map_err(broken)?;
+    decoded.truncate(frame.buffer_size());
+    let pixels = match frame.color_type {
+        png::ColorType::Rgba => decoded,
+        // With an alpha channel added there is nothing else left.
+        _ => decoded.chunks_exact(2).flat_map(|gray| [gray[0], gray[0], gray[0], gray[1]]).collect(),
+    };
+    Picture::new(width as usize, height as usize, pixels)
+}
 
 /// How a PNG is drawn.
 #[derive(Clone, Debug, PartialEq)]

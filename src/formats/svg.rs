@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::DVec2;
 
-use super::style::{self, Look};
+use super::style::{self, Layout, Look};
 use crate::pattern::PointPattern;
 
 /// How an SVG is drawn.
@@ -44,7 +44,8 @@ pub fn write_svg(pattern: &PointPattern, style: &SvgStyle) -> String {
     let mut svg = String::with_capacity(600 + layout.disks.len() * 48);
     let _ = writeln!(
         svg,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\">"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\"{}>",
+        domain_attributes(pattern, &layout)
     );
     let _ = writeln!(svg, "<title>{}</title>", escape(&title));
     if let Some(color) = style.look.background {
@@ -85,6 +86,14 @@ pub fn write_svg(pattern: &PointPattern, style: &SvgStyle) -> String {
     }
     svg.push_str("</svg>\n");
     svg
+}
+
+/// What the reader of SVG needs to get the pattern back in its own unit: the domain, and where in the picture it is.
+fn domain_attributes(pattern: &PointPattern, layout: &Layout) -> String {
+    let (min, size) = (pattern.domain().min(), pattern.domain().size());
+    let domain = [min.x, min.y, size.x, size.y].map(|number| format!("{number:?}")).join(" ");
+    let frame = [layout.min.x, layout.min.y, layout.size.x, layout.size.y].map(|px| Px(px).to_string()).join(" ");
+    format!(" data-domain=\"{domain}\" data-frame=\"{frame}\" data-boundary=\"{}\"", pattern.boundary().name())
 }
 
 /// A ring with the outline of a disk: its middle line and width.

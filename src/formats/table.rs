@@ -2,10 +2,10 @@
 
 use glam::DVec2;
 
-use super::ReadOptions;
 use super::declaration::Declared;
 use super::error::{FormatError, Place, clip};
 use super::guess::guess_domain;
+use super::{FileFormat, ReadOptions, Reading};
 use crate::domain::Boundary;
 use crate::pattern::{Attribute, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, PatternError, PointPattern};
 
@@ -18,7 +18,8 @@ pub(super) const ATTRIBUTE_PREFIX: &str = "attribute:";
 #[derive(Clone, Copy, Debug)]
 pub(super) enum RowPlace {
     Line(usize),
-    Entry(usize),
+    /// An entry of a list, and in text the line and character it begins at.
+    Entry(usize, Option<(usize, usize)>),
 }
 
 impl RowPlace {
@@ -26,7 +27,7 @@ impl RowPlace {
     pub(super) fn cell(self, column: usize) -> Place {
         match self {
             Self::Line(line) => Place::Line { line, column: column + 1 },
-            Self::Entry(entry) => Place::Entry { entry, value: column + 1 },
+            Self::Entry(entry, at) => Place::Entry { entry, value: column + 1, at },
         }
     }
 }
@@ -89,7 +90,7 @@ impl Table {
     }
 
     /// The pattern these rows describe.
-    pub(super) fn into_pattern(mut self, options: &ReadOptions) -> Result<PointPattern, FormatError> {
+    pub(super) fn into_reading(mut self, format: FileFormat, options: &ReadOptions) -> Result<Reading, FormatError> {
         let roles = match self.roles.take() {
             Some(roles) => roles,
             None => match self.take_header()? {
@@ -148,7 +149,9 @@ impl Table {
         for attribute in attributes {
             pattern = pattern.with_attribute(attribute)?;
         }
-        Ok(pattern)
+        let mut reading = Reading::new(format, pattern);
+        reading.is_domain_declared = declared.is_some();
+        Ok(reading)
     }
 
     /// Takes the first row off when it is a header: it names `x` and `y`, or its first two cells are both words.
@@ -183,7 +186,8 @@ impl Table {
         for (name, role) in [("x", Role::X), ("y", Role::Y)] {
             if !roles.contains(&role) {
                 let line = match first.place {
-                    RowPlace::Line(line) | RowPlace::Entry(line) => line,
+                    RowPlace::Line(line) => line,
+                    RowPlace::Entry(entry, at) => at.map_or(entry, |(line, _)| line),
                 };
                 return Err(FormatError::MissingColumn { line, name, found: clip(&names.join(", ")) });
             }

@@ -1,10 +1,12 @@
 //! The method of Huang et al. 2022 as data and arithmetic both engines share. No I/O and no device in here.
 
+pub mod cost;
 pub mod filters;
 pub mod parameters;
 pub mod repair;
 pub mod schedule;
 
+pub use cost::Cost;
 pub use filters::FilterBank;
 pub use parameters::{ParameterError, Parameters, Preset};
 pub use schedule::{Scale, Schedule};

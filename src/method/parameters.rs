@@ -4,6 +4,7 @@
 //! links all go through it.
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use thiserror::Error;
 
 use crate::domain::Boundary;
@@ -418,6 +419,46 @@ impl Parameters {
             learning_rate_fine: 0.02,
             ..parameters
         }
+    }
+
+    /// A parameter's allowed value that is nearest to the one given, as it stands in files; `None` when there is no such
+    /// parameter, or no value of its kind.
+    #[must_use]
+    pub fn nearest(name: &str, value: &Value) -> Option<Value> {
+        if let Some(range) = Self::RANGES.iter().find(|range| range.name == name) {
+            let number = value.as_f64().filter(|number| !number.is_nan())?.clamp(range.min, range.max);
+            return Some(if range.whole { Value::from(number.round() as u64) } else { Value::from(number) });
+        }
+        let choices: &[&str] = match name {
+            "boundary" => &["open", "periodic"],
+            "start" => &["poisson-disk", "white-noise"],
+            "learning-rate-unit" => &["output-side", "sigma"],
+            _ => return None,
+        };
+        choices.iter().find(|choice| value.as_str() == Some(choice)).map(|&choice| Value::from(choice))
+    }
+
+    /// The preset as it suits the exemplar, with some parameters replaced. Ranges are not checked.
+    ///
+    /// # Errors
+    /// When a name or the kind of a value is wrong.
+    pub fn with_overrides(
+        preset: Preset,
+        exemplar: &PointPattern,
+        overrides: Map<String, Value>,
+    ) -> Result<Self, serde_json::Error> {
+        // By way of text, as a saved state: to and from `Value` would be 10 kB more of the wasm.
+        let text = serde_json::to_string(&Self::suited_to(preset, exemplar))?;
+        let mut merged: Map<String, Value> = serde_json::from_str(&text)?;
+        merged.extend(overrides);
+        let text = serde_json::to_string(&merged)?;
+        serde_json::from_str(&text)
+    }
+
+    /// Raises what [`Self::validate`] wants to be at least as large as something else.
+    pub fn put_in_order(&mut self) {
+        self.grid_max = self.grid_max.max(self.grid_min);
+        self.sigma_fine_divisor = self.sigma_fine_divisor.max(self.sigma_coarse_divisor);
     }
 
     /// Checks every number against [`Self::RANGES`], and the ones that depend on each other.

@@ -1,9 +1,9 @@
 //! JavaScript values ⇄ messages.
 
-use serde::Serialize;
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
-use super::protocol::{Request, Response};
+use super::messages::{self, read, to_js};
+use super::protocol::Response;
 use super::session::Session;
 
 #[wasm_bindgen]
@@ -59,17 +59,8 @@ impl WorkerSession {
     }
 }
 
-/// Reads a request: its `type` says which, so it becomes the key.
-fn read(request: &JsValue) -> Result<Request, serde_wasm_bindgen::Error> {
-    let keyed = js_sys::Object::new();
-    let key = js_sys::Reflect::get(request, &"type".into()).unwrap_or(JsValue::UNDEFINED);
-    // Setting a member of a plain object can't fail; a key that is no string becomes one that no request has.
-    let _ = js_sys::Reflect::set(&keyed, &key, request);
-    serde_wasm_bindgen::from_value(keyed.into())
-}
-
 fn misunderstood(error: &serde_wasm_bindgen::Error) -> Response {
-    Response::Error { message: format!("the worker does not understand the page: {error}"), place: None }
+    Response::Error { message: messages::misunderstood(error), place: None }
 }
 
 /// Times an iteration: a workload as JSON in, a report as JSON out (see [`crate::bench`]).
@@ -82,10 +73,4 @@ pub fn bench_iterations(workload: &str) -> Result<String, String> {
     let workload = serde_json::from_str(workload).map_err(|error| error.to_string())?;
     let report = crate::bench::run(&workload, &|| now() / 1000.0).map_err(|error| error.to_string())?;
     serde_json::to_string(&report).map_err(|error| error.to_string())
-}
-
-fn to_js(response: &Response) -> JsValue {
-    let serializer =
-        serde_wasm_bindgen::Serializer::new().serialize_maps_as_objects(true).serialize_missing_as_null(true);
-    response.serialize(&serializer).unwrap_or_else(|error| error.into())
 }

@@ -9,6 +9,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::pattern_data::PatternData;
 use crate::domain::Boundary;
 use crate::method::Parameters;
 use crate::synthesis::{Event, Progress};
@@ -59,11 +60,8 @@ pub enum Request {
     /// How well the output as it stands reproduces the exemplar, in curves, numbers and words. Answered by
     /// [`Response::Analyzed`].
     Analyze {},
-    /// The output as a file. Answered by [`Response::Exported`].
-    Export {
-        /// Which kind of file.
-        format: ExportFormat,
-    },
+    /// The output to the last digit. Answered by [`Response::Exported`].
+    Export {},
     /// Everything needed to continue later. Answered by [`Response::Saved`].
     Save {},
     /// Continues from a saved state. Answered by [`Response::Started`].
@@ -98,57 +96,43 @@ pub struct AdapterView {
 
 /// Where an exemplar comes from.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(from = "SourceMembers")]
+#[serde(try_from = "SourceMembers")]
 pub enum Source {
     /// A built-in exemplar.
     Gallery {
         /// Its name.
         name: String,
     },
-    /// A file the person opened.
-    File {
-        /// Its name; the extension helps to tell formats apart.
-        name: String,
-        /// What is in it.
-        bytes: Vec<u8>,
-    },
+    /// What the person opened or drew, as numbers.
+    Pattern(Box<PatternData>),
 }
 
 /// [`Source`] as the page writes it.
 #[derive(Deserialize)]
 struct SourceMembers {
     source: SourceKind,
+    /// Of an exemplar in the gallery; what the page calls a pattern is not looked at.
+    #[serde(default)]
     name: String,
-    #[serde(default, with = "serde_bytes")]
-    bytes: Vec<u8>,
+    #[serde(default)]
+    pattern: Option<Box<PatternData>>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum SourceKind {
     Gallery,
-    File,
+    Pattern,
 }
 
-impl From<SourceMembers> for Source {
-    fn from(SourceMembers { source, name, bytes }: SourceMembers) -> Self {
-        match source {
-            SourceKind::Gallery => Self::Gallery { name },
-            SourceKind::File => Self::File { name, bytes },
+impl TryFrom<SourceMembers> for Source {
+    type Error = &'static str;
+    fn try_from(members: SourceMembers) -> Result<Self, &'static str> {
+        match members.source {
+            SourceKind::Gallery => Ok(Self::Gallery { name: members.name }),
+            SourceKind::Pattern => members.pattern.map(Self::Pattern).ok_or("the source has no 'pattern'"),
         }
     }
-}
-
-/// Kinds of file the output can be taken away as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ExportFormat {
-    /// One line a point.
-    Csv,
-    /// A picture.
-    Svg,
-    /// Everything, lossless.
-    Json,
 }
 
 /// What the worker answers.
@@ -182,6 +166,8 @@ pub enum Response {
     Opened {
         /// What it holds.
         exemplar: PatternView,
+        /// The same to the last digit.
+        pattern: Box<PatternData>,
     },
     /// A run is ready; nothing has moved yet.
     Started {
@@ -236,14 +222,10 @@ pub enum Response {
         /// it can afford.
         work_ms: f64,
     },
-    /// The output as a file.
+    /// The output to the last digit.
     Exported {
-        /// Which kind of file.
-        format: ExportFormat,
-        /// What is in it.
-        text: String,
-        /// How many points it holds.
-        points: usize,
+        /// In the exemplar's own unit.
+        pattern: Box<PatternData>,
     },
     /// Everything needed to continue later.
     Saved {
@@ -408,11 +390,13 @@ pub struct Place {
 }
 
 /// Lists of numbers that become typed arrays on the page: a plain array would cost one call a number.
-mod typed_array {
+pub(super) mod typed_array {
     macro_rules! typed {
         ($module:ident, $number:ty, $array:ident) => {
-            pub(super) mod $module {
-                use serde::{Deserialize, Deserializer, Serializer};
+            pub(in crate::web) mod $module {
+                #[cfg(not(target_arch = "wasm32"))]
+                use serde::Deserialize;
+                use serde::{Deserializer, Serializer};
 
                 #[cfg(target_arch = "wasm32")]
                 pub(crate) fn serialize<S: Serializer>(list: &[$number], serializer: S) -> Result<S::Ok, S::Error> {
@@ -424,6 +408,14 @@ mod typed_array {
                     serializer.collect_seq(list)
                 }
 
+                #[cfg(target_arch = "wasm32")]
+                pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
+                    deserializer: D,
+                ) -> Result<Vec<$number>, D::Error> {
+                    serde_wasm_bindgen::preserve::deserialize(deserializer).map(|array: js_sys::$array| array.to_vec())
+                }
+
+                #[cfg(not(target_arch = "wasm32"))]
                 pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
                     deserializer: D,
                 ) -> Result<Vec<$number>, D::Error> {
@@ -433,11 +425,12 @@ mod typed_array {
         };
     }
     typed!(floats, f32, Float32Array);
+    typed!(doubles, f64, Float64Array);
     typed!(words, u16, Uint16Array);
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop at the first surprise")]
 
     use serde::de::DeserializeOwned;
@@ -446,7 +439,7 @@ mod tests {
     use super::*;
 
     /// serde lists every tag of a union when it meets one that is not there: a list that can't go stale.
-    fn tags<T: DeserializeOwned>() -> Vec<String> {
+    pub(in crate::web) fn tags<T: DeserializeOwned>() -> Vec<String> {
         let Err(error) = serde_json::from_value::<T>(json!({ "type": "?" })) else { panic!("'?' is a tag") };
         let message = error.to_string();
         message.split('`').skip(3).step_by(2).map(str::to_owned).collect()

@@ -8,14 +8,14 @@ use thiserror::Error;
 use crate::PointPattern;
 use crate::analysis::{AnalysisError, Curves, Judge};
 use crate::engine::gpu::{Gpu, probe};
-use crate::formats::{self, FormatError, ReadOptions, SvgStyle};
 use crate::gallery;
 use crate::method::{ParameterError, Parameters, Preset};
+use crate::pattern::PatternError;
 use crate::synthesis::{Event, Progress, Synthesis, SynthesisError, SynthesisState};
 
 use super::protocol::{
-    AdapterView, CurvesView, DefectsView, EngineChoice, EngineView, ExportFormat, GalleryEntryView, PatternView, Place,
-    Points, PresetView, QualityView, RangeView, Request, Response, Source,
+    AdapterView, CurvesView, DefectsView, EngineChoice, EngineView, GalleryEntryView, PatternView, Points, PresetView,
+    QualityView, RangeView, Request, Response, Source,
 };
 
 /// Memory a run may take, in bytes. A 32-bit address space ends at 4 GB, a phone's patience well before.
@@ -33,8 +33,8 @@ const SPEED_SMOOTHING: f64 = 0.15;
 /// Why a request was refused.
 #[derive(Debug, Error)]
 enum Refusal {
-    #[error("{file}: {error}")]
-    File { file: String, error: FormatError },
+    #[error("the points can't be used: {0}")]
+    Pattern(#[from] PatternError),
     #[error("there is no exemplar named {0:?} in the gallery")]
     UnknownExemplar(String),
     #[error(transparent)]
@@ -56,15 +56,6 @@ enum Refusal {
 /// What is wrong, not where in a text that nobody sees.
 fn without_place(error: &serde_json::Error) -> String {
     error.to_string().split(" at line ").next().unwrap_or_default().to_owned()
-}
-
-impl Refusal {
-    fn place(&self) -> Option<Place> {
-        match self {
-            Self::File { error, .. } => place_of(error),
-            _ => None,
-        }
-    }
 }
 
 /// A run and the speed it goes at.
@@ -198,7 +189,7 @@ fn on_cpu(reason: &str) -> String {
 }
 
 fn answered(response: Result<Response, Refusal>) -> Response {
-    response.unwrap_or_else(|refusal| Response::Error { message: refusal.to_string(), place: refusal.place() })
+    response.unwrap_or_else(|refusal| Response::Error { message: refusal.to_string(), place: None })
 }
 
 impl Session {
@@ -215,11 +206,12 @@ impl Session {
             // Without waiting there is only one engine; see [`Self::answer`].
             Request::Engine { .. } => Ok(Response::Engine { engine: cpu(), note: None }),
             Request::Gallery {} => Ok(list_gallery()),
-            Request::Open { exemplar } => read(exemplar).map(|exemplar| Response::Opened { exemplar: view(&exemplar) }),
+            Request::Open { exemplar } => read(exemplar)
+                .map(|exemplar| Response::Opened { exemplar: view(&exemplar), pattern: Box::new((&exemplar).into()) }),
             Request::Start { exemplar, preset, overrides } => self.start(exemplar, &preset, overrides),
             Request::Run { budget_ms, max_iterations } => self.advance(budget_ms, max_iterations, now_ms),
             Request::Analyze {} => self.analyze(now_ms),
-            Request::Export { format } => self.export(format),
+            Request::Export {} => self.export(),
             Request::Save {} => self.save(),
             Request::Resume { state } => self.resume(&state),
         };
@@ -494,14 +486,9 @@ impl Session {
         }
     }
 
-    fn export(&self, format: ExportFormat) -> Result<Response, Refusal> {
+    fn export(&self) -> Result<Response, Refusal> {
         let output = self.run.as_ref().ok_or(Refusal::NoRun)?.synthesis.output()?;
-        let text = match format {
-            ExportFormat::Csv => formats::write_csv(&output),
-            ExportFormat::Svg => formats::write_svg(&output, &SvgStyle::default()),
-            ExportFormat::Json => formats::write_json(&output),
-        };
-        Ok(Response::Exported { format, text, points: output.len() })
+        Ok(Response::Exported { pattern: Box::new((&output).into()) })
     }
 
     fn save(&self) -> Result<Response, Refusal> {
@@ -516,26 +503,8 @@ fn read(source: Source) -> Result<PointPattern, Refusal> {
         Source::Gallery { name } => {
             gallery::find(&name).map(gallery::Entry::exemplar).ok_or(Refusal::UnknownExemplar(name))
         }
-        Source::File { name, bytes } => formats::read(&bytes, Some(&name), &ReadOptions::default())
-            .map_err(|error| Refusal::File { file: name, error }),
+        Source::Pattern(pattern) => Ok(PointPattern::try_from(*pattern)?),
     }
-}
-
-fn place_of(error: &FormatError) -> Option<Place> {
-    let (line, column) = match *error {
-        FormatError::TooMany { place: formats::Place::Line { line, column }, .. }
-        | FormatError::Value { place: formats::Place::Line { line, column }, .. }
-        | FormatError::Outside { place: formats::Place::Line { line, column }, .. }
-        | FormatError::Columns { place: formats::Place::Line { line, column }, .. }
-        | FormatError::DuplicateColumn { place: formats::Place::Line { line, column }, .. } => (line, Some(column)),
-        FormatError::Syntax { line, column, .. } if line > 0 => (line, Some(column)),
-        FormatError::NotUtf8 { line, .. }
-        | FormatError::LongLine { line, .. }
-        | FormatError::MissingColumn { line, .. }
-        | FormatError::Declaration { line, .. } => (line, None),
-        _ => return None,
-    };
-    Some(Place { line: line as u64, column: column.map(|column| column as u64) })
 }
 
 /// The preset's parameters as they suit the exemplar, with some replaced. Numbers are checked before they take their
@@ -546,13 +515,8 @@ fn parameters(preset: &str, exemplar: &PointPattern, overrides: Map<String, Valu
             range.check(value)?;
         }
     }
-    let preset = Parameters::suited_to(Preset::from_name(preset)?, exemplar);
-    // By way of text, as a saved state: to and from `Value` would be 10 kB more of the wasm.
-    let text = serde_json::to_string(&preset).map_err(Refusal::Overrides)?;
-    let mut merged: Map<String, Value> = serde_json::from_str(&text).map_err(Refusal::Overrides)?;
-    merged.extend(overrides.into_iter().map(|(name, value)| (name, whole(value))));
-    let text = serde_json::to_string(&merged).map_err(Refusal::Overrides)?;
-    serde_json::from_str(&text).map_err(Refusal::Overrides)
+    let overrides = overrides.into_iter().map(|(name, value)| (name, whole(value))).collect();
+    Parameters::with_overrides(Preset::from_name(preset)?, exemplar, overrides).map_err(Refusal::Overrides)
 }
 
 /// JavaScript has one kind of number: 4.0 is a whole number too.
@@ -686,6 +650,23 @@ mod tests {
         })
     }
 
+    /// An exemplar of one class.
+    fn own(domain: [f64; 4], positions: &[f64]) -> Value {
+        json!({
+            "source": "pattern", "name": "mine",
+            "pattern": {
+                "domain": domain, "boundary": "open", "positions": positions, "classes": vec![0; positions.len() / 2],
+                "classNames": ["points"], "attributes": [],
+            },
+        })
+    }
+
+    fn exported(session: &mut Session) -> PointPattern {
+        let answer = ask(session, json!({ "type": "export" }));
+        let data: crate::web::pattern_data::PatternData = serde_json::from_value(answer["pattern"].clone()).unwrap();
+        PointPattern::try_from(data).unwrap()
+    }
+
     fn run(session: &mut Session, iterations: u32) -> Value {
         ask(session, json!({ "type": "run", "budgetMs": 1e9, "maxIterations": iterations }))
     }
@@ -744,15 +725,9 @@ mod tests {
         let over = run(&mut session, u32::MAX);
         assert_eq!((iterated(&over), &over["finished"]), (0, &json!(true)));
 
-        let csv = ask(&mut session, json!({ "type": "export", "format": "csv" }));
-        assert_eq!(csv["points"], json!(expected));
-        let options = ReadOptions::default();
-        let read = formats::read(csv["text"].as_str().unwrap().as_bytes(), Some("a.csv"), &options).unwrap();
-        assert_eq!(read.len(), expected);
-        let svg = ask(&mut session, json!({ "type": "export", "format": "svg" }));
-        assert_eq!(svg["text"].as_str().unwrap().matches("<circle").count(), expected);
-        let json = ask(&mut session, json!({ "type": "export", "format": "json" }));
-        assert_eq!(formats::read(json["text"].as_str().unwrap().as_bytes(), None, &options).unwrap(), read);
+        let output = exported(&mut session);
+        assert_eq!(output.len(), expected);
+        assert_eq!(output, session.run.as_ref().unwrap().synthesis.output().unwrap());
     }
 
     #[test]
@@ -769,9 +744,7 @@ mod tests {
         assert_ne!(answer["output"], start["output"]);
         assert_eq!(answer["exemplar"], start["exemplar"]);
 
-        let exported = ask(&mut session, json!({ "type": "export", "format": "json" }));
-        let text = exported["text"].as_str().unwrap();
-        let output = formats::read(text.as_bytes(), None, &ReadOptions::default()).unwrap();
+        let output = exported(&mut session);
         let exemplar = gallery::find("rings").unwrap().exemplar();
         let expected = Comparison::of(&exemplar, &output, 3).unwrap();
         let list =
@@ -816,9 +789,8 @@ mod tests {
         ask(&mut session, request);
         let chevrons = ask(&mut session, analyze());
         assert_ne!(rings["exemplar"]["pairCorrelation"], chevrons["exemplar"]["pairCorrelation"]);
-        let text = "# domain 0 0 1 1\n0.5,0.5\n0.5,0.5\n";
         let mut request = tiny(3);
-        request["exemplar"] = json!({ "source": "file", "name": "a.csv", "bytes": text.as_bytes() });
+        request["exemplar"] = own([0.0, 0.0, 1.0, 1.0], &[0.5, 0.5, 0.5, 0.5]);
         if ask(&mut session, request)["type"] == "started" {
             let answer = ask(&mut session, analyze());
             assert_eq!(answer["type"], "error");
@@ -848,11 +820,10 @@ mod tests {
         assert_eq!((&resumed["type"], &resumed["progress"]["totalIterations"]), (&json!("started"), &json!(2)));
         run(&mut second, 3);
         run(&mut whole, 5);
-        let csv = json!({ "type": "export", "format": "csv" });
-        assert_eq!(ask(&mut second, csv.clone()), ask(&mut whole, csv.clone()));
+        assert_eq!(exported(&mut second), exported(&mut whole));
         ask(&mut parted, tiny(6));
         run(&mut parted, 5);
-        assert_ne!(ask(&mut parted, csv.clone()), ask(&mut whole, csv));
+        assert_ne!(exported(&mut parted), exported(&mut whole));
     }
 
     /// Needs a Vulkan adapter, as the tests of the engine do.
@@ -895,7 +866,7 @@ mod tests {
             json!({ "type": "run", "budgetMs": 1, "maxIterations": 1 }),
             json!({ "type": "save" }),
             json!({ "type": "analyze" }),
-            json!({ "type": "export", "format": "csv" }),
+            json!({ "type": "export" }),
         ] {
             refused(&ask(&mut session, request), "no run");
         }
@@ -923,24 +894,22 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_file_is_answered_with_its_place() {
-        let open = |bytes: &[u8]| json!({ "type": "open", "exemplar": { "source": "file", "name": "mine.csv", "bytes": bytes } });
+    fn numbers_that_are_no_pattern_are_refused() {
         let mut session = Session::new();
-        let answer = ask(&mut session, open(b"x,y\n0.5,0.5\n0.2,oops\n"));
-        assert_eq!(answer["place"], json!({ "line": 3, "column": 2 }), "{answer}");
-        let message = answer["message"].as_str().unwrap();
-        assert!(message.starts_with("mine.csv: line 3, column 2") && message.contains("oops"), "{message}");
-        let answer = ask(&mut session, open(b"x,y\n0.5,0.5\n0.2,0.25\n"));
+        let open = |exemplar: Value| json!({ "type": "open", "exemplar": exemplar });
+        let answer = ask(&mut session, open(own([0.0, 0.0, 1.0, 1.0], &[0.5, 1.5])));
+        assert!(answer["message"].as_str().unwrap().contains("outside the domain"), "{answer}");
+        let answer = ask(&mut session, open(own([0.0, 0.0, 1.0, 1.0], &[0.5, 0.5, 0.2, 0.25])));
         assert_eq!(answer["exemplar"]["points"]["positions"], json!([0.5, 0.5, f64::from(0.2_f32), 0.25]), "{answer}");
+        assert_eq!(answer["pattern"]["positions"], json!([0.5, 0.5, 0.2, 0.25]), "{answer}");
     }
 
     #[test]
     fn an_output_is_drawn_in_the_units_of_its_exemplar() {
         let mut session = Session::new();
-        let text = "# domain 100 200 140 220\n100,200\n140,220\n120,210\n110,205\n130,215\n";
-        let exemplar = json!({ "source": "file", "name": "a.csv", "bytes": text.as_bytes() });
+        let points = [100.0, 200.0, 140.0, 220.0, 120.0, 210.0, 110.0, 205.0, 130.0, 215.0];
         let mut request = tiny(1);
-        request["exemplar"] = exemplar;
+        request["exemplar"] = own([100.0, 200.0, 40.0, 20.0], &points);
         let started = ask(&mut session, request);
         assert_eq!(started["exemplar"]["size"], json!([1.0, 0.5]), "{started}");
         assert_eq!(started["exemplar"]["min"], json!([100.0, 200.0]));

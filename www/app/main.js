@@ -2,6 +2,7 @@
 /** The playground: wires the controls, the worker and the canvases together. */
 import { drawPoints, markRadius, prepare, readColours } from './draw.js';
 import { Engine } from './engine.js';
+import { Files, LARGEST_FILE } from './files.js';
 import { LossChart } from './loss-chart.js';
 import { keepForOffline } from './offline.js';
 import { Run } from './run.js';
@@ -20,8 +21,6 @@ import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 
 /** What the page shows first. */
 const FIRST = 'rings';
-/** Files over this are not even read; the worker's own limit, with a better sentence, is far below. */
-const LARGEST_FILE = 64 * 1024 * 1024;
 /** A slider in motion starts one run, not thirty. */
 const SETTLE_MS = 180;
 const LARGEST_SEED = Number.MAX_SAFE_INTEGER;
@@ -50,6 +49,7 @@ function element(id) {
 const stage = new Stage();
 const chart = new LossChart();
 const link = new WorkerLink(`./worker.js${isTest ? '?test=1' : ''}`, patience, onWorkerDeath);
+const files = new Files();
 const engine = new Engine(link, { announce, checks: (checks) => void (run.shares = checks) });
 const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain, saved: keepSession });
 
@@ -506,9 +506,9 @@ async function openFile(file) {
     return;
   }
   try {
-    const bytes = new Uint8Array(await file.arrayBuffer());
+    const { pattern } = await files.read(file.name, new Uint8Array(await file.arrayBuffer()));
     /** @type {Source} */
-    const source = { source: 'file', name: file.name, bytes };
+    const source = { source: 'pattern', name: file.name, pattern };
     const { exemplar } = await link.ask({ type: 'open', exemplar: source });
     const caption = `Your own file, ${points(exemplar.points.classes.length)}.`;
     const choice = { title: file.name, caption, source };
@@ -556,10 +556,10 @@ window.addEventListener('drop', (event) => {
  */
 async function download(format, mime) {
   try {
-    const { text } = await run.export(format);
+    const { bytes } = await files.write(format, await run.export());
     const name = chosen.source.name.replace(/\.[^.]*$/, '');
     const anchor = document.createElement('a');
-    anchor.href = URL.createObjectURL(new Blob([text], { type: mime }));
+    anchor.href = URL.createObjectURL(new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (bytes)], { type: mime }));
     anchor.download = `pointweave-${name}.${format}`;
     anchor.click();
     setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000);

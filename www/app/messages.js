@@ -6,8 +6,12 @@
  * Positions are in exemplar units (the exemplar's longer side is 1) from the lower corner of their domain.
  */
 
-/** @typedef {{ source: 'gallery', name: string } | { source: 'file', name: string, bytes: Uint8Array }} Source */
-/** @typedef {'csv' | 'svg' | 'json'} ExportFormat */
+/**
+ * A pattern to the last digit, in its own unit: `domain` is the lower corner, width and height, `positions` x, y, x, y, …
+ * @typedef {{ domain: [number, number, number, number], boundary: 'open' | 'periodic', positions: Float64Array, classes: Uint16Array,
+ *   classNames: string[], attributes: { name: string, values: Float64Array }[] }} PatternData
+ */
+/** `name` of a pattern is what the page calls it. @typedef {{ source: 'gallery', name: string } | { source: 'pattern', name: string, pattern: PatternData }} Source */
 /** @typedef {'auto' | 'cpu' | 'gpu'} EngineChoice */
 /** @typedef {{ name: string, software: boolean }} AdapterView */
 
@@ -19,7 +23,7 @@
 /** @typedef {{ type: 'start', exemplar: Source, preset: string, overrides: Record<string, number | string> }} StartRequest */
 /** @typedef {{ type: 'run', budgetMs: number, maxIterations: number }} RunRequest */
 /** @typedef {{ type: 'analyze' }} AnalyzeRequest */
-/** @typedef {{ type: 'export', format: ExportFormat }} ExportRequest */
+/** @typedef {{ type: 'export' }} ExportRequest */
 /** @typedef {{ type: 'save' }} SaveRequest */
 /** @typedef {{ type: 'resume', state: string }} ResumeRequest */
 /**
@@ -31,7 +35,7 @@
 /** @typedef {{ type: 'description', version: string, engine: EngineView, presets: PresetView[], ranges: RangeView[] }} DescriptionResponse */
 /** @typedef {{ type: 'engine', engine: EngineView, note: string | null, adapter: AdapterView | null }} EngineResponse the worker adds `adapter` */
 /** @typedef {{ type: 'gallery', entries: GalleryEntryView[] }} GalleryResponse */
-/** @typedef {{ type: 'opened', exemplar: PatternView }} OpenedResponse */
+/** @typedef {{ type: 'opened', exemplar: PatternView, pattern: PatternData }} OpenedResponse */
 /** @typedef {{ type: 'started', exemplar: PatternView, output: PatternView, parameters: Parameters, progress: Progress }} StartedResponse */
 /**
  * @typedef {{ type: 'batch', events: RunEvent[], progress: Progress, points: Points | null,
@@ -43,7 +47,7 @@
  * @typedef {{ type: 'analyzed', exemplar: CurvesView, output: CurvesView, distance: Float32Array, interval: number,
  *   quality: QualityView, defects: DefectsView, verdict: string, iterations: number, workMs: number }} AnalyzedResponse
  */
-/** @typedef {{ type: 'exported', format: ExportFormat, text: string, points: number }} ExportedResponse */
+/** @typedef {{ type: 'exported', pattern: PatternData }} ExportedResponse */
 /** @typedef {{ type: 'saved', state: string, progress: Progress }} SavedResponse */
 /** @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null }} ErrorResponse */
 /**

@@ -8,7 +8,6 @@ import { Refused, WorkerDied } from './worker-link.js';
 /** @typedef {import('./messages.js').Source} Source */
 /** @typedef {import('./messages.js').BatchResponse} BatchResponse */
 /** @typedef {import('./messages.js').StartedResponse} StartedResponse */
-/** @typedef {import('./messages.js').ExportFormat} ExportFormat */
 /** @typedef {{ source: Source, preset: string, overrides: Record<string, number | string> }} Plan */
 
 /**
@@ -233,9 +232,9 @@ export class Run {
     }
   }
 
-  /** @param {ExportFormat} format */
-  export(format) {
-    return this.#link.ask({ type: 'export', format });
+  /** The output to the last digit. */
+  async export() {
+    return (await this.#link.ask({ type: 'export' })).pattern;
   }
 
   /** The worker is gone, and with it whatever it did after the last save. */

@@ -28,7 +28,7 @@ enum Command {
     Build(web::BuildArguments),
     /// Bring dist/'s list of files up to date after some were changed there: version, service worker, headers.
     Stamp,
-    /// Build the WebAssembly module and hold its size against the budget.
+    /// Build the WebAssembly modules and hold their sizes against the budgets.
     Size,
     /// Build the page and serve it on this machine.
     Serve(serve::ServeArguments),

@@ -38,7 +38,7 @@ enum Step {
     Types,
     /// All tests of the workspace.
     Native,
-    /// The page builds, and its module keeps to its budget.
+    /// The page builds, and its modules keep to their budgets.
     Web,
     /// The WebAssembly module against the native code, in Node.
     Wasm,

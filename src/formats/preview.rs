@@ -1,0 +1,110 @@
+//! What a person sees of a file before its points are used.
+
+use super::Reading;
+use crate::domain::Boundary;
+use crate::pattern::{Attribute, PointPattern};
+
+/// Counts, ranges and whatever looks odd.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preview {
+    /// How many points there are.
+    pub points: usize,
+    /// The classes in their order.
+    pub classes: Vec<ClassPreview>,
+    /// The attributes in their order.
+    pub attributes: Vec<AttributePreview>,
+    /// Lower and upper corner.
+    pub domain: [f64; 4],
+    /// Whether the file or the caller told the domain; otherwise it was found from the points.
+    pub is_domain_declared: bool,
+    /// Whether it is a window or a tile.
+    pub boundary: Boundary,
+    /// Mean distance to the nearest neighbour in the pattern's own unit, when there is one.
+    pub spacing: Option<f64>,
+    /// What was left out, changed or looks odd, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// One class.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ClassPreview {
+    /// Its name.
+    pub name: String,
+    /// How many points it has.
+    pub count: usize,
+}
+
+/// One attribute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AttributePreview {
+    /// Its name.
+    pub name: String,
+    /// Its smallest value.
+    pub min: f64,
+    /// Its largest value.
+    pub max: f64,
+}
+
+impl Preview {
+    /// Of a file that was read.
+    #[must_use]
+    pub fn of(reading: &Reading) -> Self {
+        let mut preview = Self::of_pattern(&reading.pattern);
+        preview.is_domain_declared = reading.is_domain_declared;
+        let odd = std::mem::take(&mut preview.notes);
+        preview.notes = reading.notes.iter().cloned().chain(odd).collect();
+        preview
+    }
+
+    /// Of a pattern whose domain is known.
+    #[must_use]
+    pub fn of_pattern(pattern: &PointPattern) -> Self {
+        let mut counts = vec![0; pattern.class_names().len()];
+        for &class in pattern.classes() {
+            counts[usize::from(class)] += 1;
+        }
+        let classes = pattern.class_names().iter().zip(counts);
+        let (min, max) = (pattern.domain().min(), pattern.domain().max());
+        let spacing = pattern.mean_spacing().map(|spacing| spacing * pattern.domain().exemplar_unit());
+        Self {
+            points: pattern.len(),
+            classes: classes.map(|(name, count)| ClassPreview { name: name.clone(), count }).collect(),
+            attributes: pattern.attributes().iter().map(range).collect(),
+            domain: [min.x, min.y, max.x, max.y],
+            is_domain_declared: true,
+            boundary: pattern.boundary(),
+            spacing,
+            notes: oddities(pattern, spacing),
+        }
+    }
+}
+
+fn range(attribute: &Attribute) -> AttributePreview {
+    AttributePreview {
+        name: attribute.name.clone(),
+        min: attribute.values.iter().copied().fold(f64::INFINITY, f64::min),
+        max: attribute.values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+    }
+}
+
+/// Few points, and points on top of each other: both are allowed, and seldom meant.
+fn oddities(pattern: &PointPattern, spacing: Option<f64>) -> Vec<String> {
+    /// Below this many points the statistics are those of a few accidents.
+    const FEW: usize = 16;
+    let mut notes = Vec::new();
+    let mut places: Vec<[u64; 2]> =
+        pattern.positions().iter().map(|point| [(point.x + 0.0).to_bits(), (point.y + 0.0).to_bits()]).collect();
+    places.sort_unstable();
+    places.dedup();
+    match pattern.len() - places.len() {
+        0 => {}
+        1 => notes.push("One point lies exactly on another.".to_owned()),
+        doubled => notes.push(format!("{doubled} points lie exactly on others.")),
+    }
+    if spacing.is_none() {
+        notes.push("There are no two points at different places, so there is no arrangement to learn.".to_owned());
+    } else if pattern.len() < FEW {
+        notes.push(format!("There are only {} points; a few dozen say more.", pattern.len()));
+    }
+    notes
+}

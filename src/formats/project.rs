@@ -1,0 +1,114 @@
+//! A whole session in one JSON file, without loss: the exemplar, what was chosen, the output, and the run as it stood, so
+//! that it goes on as the very same run.
+//!
+//! ```json
+//! {"pointweave-project": 1, "title": "Rings", "preset": "fast", "overrides": {"seed": 7}, "exemplar": {…},
+//!  "output": {…}, "run": {…}}
+//! ```
+//! `exemplar` and `output` are patterns as [`write_json`](super::write_json) writes them. `run` is a
+//! [`SynthesisState`](crate::synthesis::SynthesisState) without its exemplar, which stands beside it; it is checked by
+//! whoever continues it. `output` and `run` may be missing.
+
+use serde_json::{Map, Value, json};
+
+use super::json::{layout, located};
+use super::{FileFormat, FormatError, ReadOptions, Reading};
+use crate::method::{Parameters, Preset};
+use crate::pattern::PointPattern;
+
+const MARK: &str = "pointweave-project";
+const VERSION: u64 = 1;
+/// Longest title, in characters.
+const MAX_TITLE_LENGTH: usize = 200;
+
+/// What a session holds beside its exemplar.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Project {
+    /// What the person calls it.
+    pub title: String,
+    /// The preset that was chosen.
+    pub preset: Preset,
+    /// Parameters that differ from it, under their names in files, in their ranges.
+    pub overrides: Map<String, Value>,
+    /// The output as it stood.
+    pub output: Option<PointPattern>,
+    /// The run as it stood: a [`SynthesisState`](crate::synthesis::SynthesisState) as JSON.
+    pub state: Option<String>,
+}
+
+pub(super) fn is_project(object: &Map<String, Value>) -> bool {
+    object.contains_key(MARK)
+}
+
+pub(super) fn read(mut object: Map<String, Value>, options: &ReadOptions) -> Result<Reading, FormatError> {
+    if object.get(MARK).and_then(Value::as_u64) != Some(VERSION) {
+        let found = object.get(MARK).map(Value::to_string).unwrap_or_default();
+        return Err(layout(format!("it is a project of version {found}; this program reads {VERSION}")));
+    }
+    let exemplar = object.remove("exemplar").ok_or_else(|| layout("the project has no 'exemplar'".to_owned()))?;
+    let state = match object.remove("run") {
+        Some(Value::Object(mut run)) => {
+            // The exemplar as it was written, whatever the caller says about its domain.
+            run.insert("exemplar".to_owned(), exemplar.clone());
+            Some(Value::Object(run).to_string())
+        }
+        None | Some(Value::Null) => None,
+        Some(_) => return Err(layout("'run' of the project must be an object".to_owned())),
+    };
+    let pattern: PointPattern =
+        serde_json::from_value(exemplar).map_err(|error| layout(format!("'exemplar' of the project: {error}")))?;
+    let output = match object.remove("output") {
+        None | Some(Value::Null) => None,
+        Some(value) => {
+            Some(serde_json::from_value(value).map_err(|error| layout(format!("'output' of the project: {error}")))?)
+        }
+    };
+    let text = |name: &str| object.get(name).and_then(Value::as_str).unwrap_or_default();
+    let preset = match text("preset") {
+        "" => Preset::default(),
+        name => Preset::from_name(name).map_err(|error| layout(error.to_string()))?,
+    };
+    let title = text("title").chars().take(MAX_TITLE_LENGTH).collect();
+    let mut notes = Vec::new();
+    let mut overrides = Map::new();
+    if let Some(Value::Object(chosen)) = object.get("overrides") {
+        for (name, value) in chosen {
+            match Parameters::nearest(name, value) {
+                Some(allowed) => {
+                    if allowed.as_f64() != value.as_f64() {
+                        notes.push(format!("'{name}' was {value}, which is out of its range; it is {allowed} now."));
+                    }
+                    overrides.insert(name.clone(), allowed);
+                }
+                None => notes.push(format!("There is no parameter '{}' with such a value.", super::error::clip(name))),
+            }
+        }
+    }
+    let mut reading = Reading::new(FileFormat::Project, options.apply(pattern)?);
+    reading.is_domain_declared = true;
+    reading.notes = notes;
+    reading.project = Some(Project { title, preset, overrides, output, state });
+    Ok(reading)
+}
+
+/// Writes a session as JSON that reads back without loss.
+///
+/// # Errors
+/// When `project.state` is not JSON.
+pub fn write_project(exemplar: &PointPattern, project: &Project) -> Result<String, FormatError> {
+    let value = |pattern: &PointPattern| serde_json::to_value(pattern).map_err(|error| located(&error));
+    let run = match &project.state {
+        None => None,
+        Some(state) => {
+            let mut run: Map<String, Value> = serde_json::from_str(state).map_err(|error| located(&error))?;
+            run.remove("exemplar");
+            Some(run)
+        }
+    };
+    let output = project.output.as_ref().map(value).transpose()?;
+    let whole = json!({
+        MARK: VERSION, "title": project.title, "preset": project.preset.name(), "overrides": project.overrides,
+        "exemplar": value(exemplar)?, "output": output, "run": run,
+    });
+    Ok(whole.to_string() + "\n")
+}

@@ -1,0 +1,17 @@
+//! JavaScript values ⇄ messages of the module for files.
+
+use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
+
+use super::files::{FilesResponse, respond};
+use super::messages;
+
+/// Answers one request. Requests and responses are plain objects, see `www/app/files-messages.js`.
+#[wasm_bindgen]
+pub fn answer(request: &JsValue) -> JsValue {
+    console_error_panic_hook::set_once();
+    let response = match messages::read(request) {
+        Ok(request) => respond(request),
+        Err(error) => FilesResponse::Error { message: messages::misunderstood(&error), place: None },
+    };
+    messages::to_js(&response)
+}
