@@ -1,14 +1,17 @@
 // @ts-check
 /** The playground: wires the controls, the worker and the canvases together. */
 import { drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { Host, applyEmbedOptions, embedOptions } from './embed.js';
 import { Engine } from './engine.js';
 import { Files, LARGEST_FILE } from './files.js';
 import { LossChart } from './loss-chart.js';
 import { keepForOffline } from './offline.js';
 import { Run } from './run.js';
 import { Session, fillForm, readForm } from './session.js';
+import { Share, isLink } from './share.js';
 import { Stage } from './stage.js';
 import { Statistics } from './statistics.js';
+import { Take } from './take.js';
 import { duration, points, times } from './words.js';
 import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 
@@ -17,7 +20,7 @@ import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 /** @typedef {import('./messages.js').PatternView} PatternView */
 /** @typedef {import('./messages.js').Progress} Progress */
 /** @typedef {PatternView['boundary']} Boundary */
-/** @typedef {{ title: string, caption: string, source: Source }} Chosen */
+/** @typedef {{ title: string, caption: string, source: Source, isOwn?: boolean }} Chosen `isOwn`: opened or drawn here by the person */
 
 /** What the page shows first. */
 const FIRST = 'rings';
@@ -46,6 +49,7 @@ function element(id) {
   return /** @type {E} */ (found);
 }
 
+const embedded = applyEmbedOptions();
 const stage = new Stage();
 const chart = new LossChart();
 const link = new WorkerLink(`./worker.js${isTest ? '?test=1' : ''}`, patience, onWorkerDeath);
@@ -56,16 +60,39 @@ const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus
 const statistics = new Statistics(link, { status: () => run.status, announce });
 
 /** A page in a frame is its host's to keep. */
-const session = new Session(window === window.top);
+const session = new Session(window === window.top && !embedded);
+const take = new Take(files, link, run, stage, { chosen: () => chosen, plan: currentPlan, complain, announce });
+const share = new Share(files, { chosen: () => chosen, plan: currentPlan, adopt, saveProject: () => take.project(), announce });
+const host = new Host({
+  state: () => ({
+    status: run.status,
+    // The name of an own file is the person's own, too.
+    title: isPrivate ? '' : chosen.title,
+    points: stage.positions.length / 2,
+    progress,
+    parameters,
+  }),
+  play: () => void (run.status !== 'playing' && toggle()),
+  pause: () => run.pause(),
+  step: () => run.step(),
+  reset,
+  openLink,
+  openData,
+  points: () => run.export(),
+  isPrivate: () => isPrivate,
+});
 
 /** @type {Chosen} */
-const usual = { title: 'Rings', caption: '', source: { source: 'gallery', name: FIRST } };
-let chosen = usual;
+let chosen = { title: 'Rings', caption: '', source: { source: 'gallery', name: FIRST } };
 /** @type {Progress | null} */
 let progress = null;
 /** @type {import('./messages.js').Parameters | null} */
 let parameters = null;
 let booted = false;
+/** Whether the exemplar is the person's own, not the gallery's, a link's, or the page's around this one. */
+let isPrivate = false;
+/** What a link or a project says beyond the controls, or between what they can show. @type {import('./messages.js').Parameters} */
+let beyond = {};
 
 // ---------------------------------------------------------------------------------------------- notices
 
@@ -164,6 +191,8 @@ function onStarted(started) {
     `The exemplar ${chosen.title}: ${points(exemplar.points.classes.length)}. ${chosen.caption}`,
   );
   element('download-csv').title = `${points(outputCount)}, one line each, in the exemplar's own units`;
+  take.periodic = output.boundary === 'periodic';
+  share.outdated();
   showProgress(null, null);
   engine.ensure();
   statistics.restart();
@@ -184,6 +213,7 @@ function onBatch(batch) {
     statistics.moved();
   }
   showProgress(batch.iterationsPerSecond, batch.secondsLeft);
+  host.tell('progress');
   if (progress.scale !== scaleBefore) announce(`Scale ${progress.scale + 1} of ${progress.scales} has begun.`);
 }
 
@@ -237,6 +267,7 @@ function onStatus(status) {
   if (status !== 'playing') showProgress(null, null);
   if (status === 'finished') announce('Finished.');
   document.body.dataset.status = status;
+  host.tell('status');
   statistics.turned();
 }
 
@@ -244,6 +275,11 @@ function toggle() {
   if (run.status === 'playing') run.pause();
   else if (run.status === 'paused') run.play();
   else if (run.status === 'finished' || run.status === 'stopped') void run.again();
+  else if (booted) {
+    // A link that waited for this.
+    unnotify();
+    void begin(true);
+  }
 }
 
 async function reset() {
@@ -308,8 +344,37 @@ const planned = (seed) => ({
     'expansion-y': Number(slideY.value),
     ...(knowsBoundary && { boundary: radio('boundary') ?? 'open' }),
     seed,
+    ...beyond,
     ...replaced,
   },
+});
+
+/** The run at hand with all its parameters, as links and projects keep it; null when there is none. */
+function currentPlan() {
+  const plan = run.plan;
+  return plan && parameters && { ...plan, overrides: parameters };
+}
+
+/** A control was moved: what a link said about it is no longer so. @param {string[]} names */
+function overrule(...names) {
+  beyond = Object.fromEntries(Object.entries(beyond).filter(([name]) => !names.includes(name)));
+  showBeyond();
+}
+
+/** Says what no control shows. */
+function showBeyond() {
+  const shown = ['expansion-x', 'expansion-y', 'boundary', 'seed'];
+  const names = Object.entries(beyond).filter(([name]) => !shown.includes(name));
+  const text = names.map(([name, value]) => `${name} ${typeof value === 'number' ? Number(value.toPrecision(4)) : value}`).join(', ');
+  element('beyond').hidden = text === '';
+  element('beyond-text').textContent = `With ${text} in place of the preset’s.`;
+}
+
+element('beyond-clear').addEventListener('click', () => {
+  beyond = {};
+  showBeyond();
+  showSliders();
+  beginSoon();
 });
 
 /** Starts a run with the settings as they are. @param {boolean} play */
@@ -327,13 +392,14 @@ function beginSoon() {
   clearTimeout(settling);
   settling = setTimeout(() => {
     unnotify();
+    leaveLink();
     void begin(true);
   }, SETTLE_MS);
 }
 
 function showSliders() {
-  element('expansion-x-value').textContent = times(Number(slideX.value));
-  element('expansion-y-value').textContent = times(Number(slideY.value));
+  element('expansion-x-value').textContent = times(Number(beyond['expansion-x'] ?? slideX.value));
+  element('expansion-y-value').textContent = times(Number(beyond['expansion-y'] ?? slideY.value));
 }
 
 for (const [slider, other] of [
@@ -342,6 +408,7 @@ for (const [slider, other] of [
 ]) {
   slider.addEventListener('input', () => {
     if (linked.checked) other.value = slider.value;
+    overrule('expansion-x', 'expansion-y');
     showSliders();
     beginSoon();
   });
@@ -349,6 +416,7 @@ for (const [slider, other] of [
 linked.addEventListener('change', () => {
   if (!linked.checked || slideX.value === slideY.value) return;
   slideY.value = slideX.value;
+  overrule('expansion-x', 'expansion-y');
   showSliders();
   beginSoon();
 });
@@ -358,16 +426,25 @@ settings.addEventListener('change', (event) => {
   if (type !== 'radio' || name === 'engine') return;
   if (name === 'boundary') {
     knowsBoundary = true;
+    overrule('boundary');
     showTilesChoice();
+  }
+  if (name === 'preset') {
+    // It stands for all that no control shows.
+    const { 'expansion-x': x, 'expansion-y': y } = beyond;
+    beyond = { ...(x !== undefined && { 'expansion-x': x }), ...(y !== undefined && { 'expansion-y': y }) };
+    showBeyond();
   }
   beginSoon();
 });
 seedField.addEventListener('input', () => {
+  overrule('seed');
   if (readSeed() !== null) beginSoon();
 });
 element('dice').addEventListener('click', () => {
   seedField.value = String(crypto.getRandomValues(new Uint32Array(1))[0] % 1_000_000);
   readSeed();
+  overrule('seed');
   beginSoon();
 });
 element('tiles').addEventListener('change', (event) => {
@@ -458,9 +535,14 @@ function exemplarCard(choice, value, pattern) {
  */
 function choose(choice, boundary) {
   chosen = choice;
+  isPrivate = choice.source.source !== 'gallery' && choice.isOwn === true;
   setBoundary(boundary);
+  overrule('boundary');
   beginSoon();
 }
+
+/** What the gallery's exemplars are called. @type {Map<string, Chosen>} */
+const galleryChoices = new Map();
 
 /** @param {GalleryEntryView[]} entries */
 function showGallery(entries) {
@@ -468,6 +550,7 @@ function showGallery(entries) {
   if (gallery.children.length > 0) return;
   for (const { name, title, caption, pattern } of entries) {
     const choice = { title, caption, source: /** @type {Source} */ ({ source: 'gallery', name }) };
+    galleryChoices.set(name, choice);
     const { card, input } = exemplarCard(choice, name, pattern);
     if (chosen.source.source === 'gallery' && chosen.source.name === name) {
       input.checked = true;
@@ -498,6 +581,82 @@ function showOwn(choice, pattern) {
   drawThumbnails();
 }
 
+/**
+ * Opens points in any format the page reads, or a project.
+ *
+ * @param {string} name
+ * @param {Uint8Array} bytes
+ * @param {boolean} play
+ * @param {boolean} [isOwn] whether the person gave them, not another page
+ */
+async function openData(name, bytes, play, isOwn = false) {
+  const { pattern, ...read } = await files.read(name, bytes);
+  const project = read.type === 'read' ? read.project : null;
+  if (project) return openProject(project, pattern, isOwn);
+  await openPattern(name, `${isOwn ? 'Your own file' : 'From the page around this one'}, ${points(pattern.classes.length)}.`, pattern, isOwn);
+  await begin(play);
+}
+
+/**
+ * Makes a pattern the exemplar, without starting anything.
+ *
+ * @param {string} title
+ * @param {string} caption
+ * @param {import('./messages.js').PatternData} pattern
+ * @param {boolean} isOwn
+ * @returns {Promise<PatternView>}
+ */
+async function openPattern(title, caption, pattern, isOwn) {
+  /** @type {Chosen} */
+  const choice = { title, caption, source: { source: 'pattern', name: title, pattern }, isOwn };
+  const { exemplar } = await link.ask({ type: 'open', exemplar: choice.source });
+  showOwn(choice, exemplar);
+  chosen = choice;
+  isPrivate = isOwn;
+  setBoundary(exemplar.boundary);
+  overrule('boundary');
+  return exemplar;
+}
+
+/**
+ * Sets the controls to a preset and what differs from it; what they can't show is kept beside them.
+ *
+ * @param {string} preset
+ * @param {import('./messages.js').Parameters} overrides
+ */
+function applySettings(preset, overrides) {
+  firstPreset = preset;
+  const presetRadio = settings.querySelector(`input[name="preset"][value="${CSS.escape(preset)}"]`);
+  if (presetRadio) /** @type {HTMLInputElement} */ (presetRadio).checked = true;
+  const { boundary, seed } = overrides;
+  beyond = { ...overrides };
+  if (seed !== undefined) seedField.value = String(seed);
+  slideX.value = String(overrides['expansion-x'] ?? 2);
+  slideY.value = String(overrides['expansion-y'] ?? 2);
+  linked.checked = (overrides['expansion-x'] ?? 2) === (overrides['expansion-y'] ?? 2);
+  if (boundary === 'open' || boundary === 'periodic') setBoundary(boundary);
+  readSeed();
+  showBeyond();
+  showSliders();
+}
+
+/**
+ * Goes on with a project, paused, where it was saved.
+ *
+ * @param {import('./files-messages.js').Project} project
+ * @param {import('./messages.js').PatternData} pattern
+ * @param {boolean} isOwn
+ */
+async function openProject(project, pattern, isOwn) {
+  await openPattern(project.title || 'Project', `From a project, ${points(pattern.classes.length)}.`, pattern, isOwn);
+  applySettings(project.preset, project.overrides);
+  leaveLink();
+  chart.keep();
+  const seed = readSeed();
+  if (project.state === null || seed === null) await begin(true);
+  else if (await run.resume(planned(seed), project.state, false)) announce('The project goes on where it was saved.');
+}
+
 /** @param {File} file */
 async function openFile(file) {
   unnotify();
@@ -506,16 +665,7 @@ async function openFile(file) {
     return;
   }
   try {
-    const { pattern } = await files.read(file.name, new Uint8Array(await file.arrayBuffer()));
-    /** @type {Source} */
-    const source = { source: 'pattern', name: file.name, pattern };
-    const { exemplar } = await link.ask({ type: 'open', exemplar: source });
-    const caption = `Your own file, ${points(exemplar.points.classes.length)}.`;
-    const choice = { title: file.name, caption, source };
-    showOwn(choice, exemplar);
-    chosen = choice;
-    setBoundary(exemplar.boundary);
-    await begin(true);
+    await openData(file.name, new Uint8Array(await file.arrayBuffer()), true, true);
   } catch (error) {
     if (error instanceof WorkerDied) return;
     if (error instanceof Refused) complainAbout('', error.message);
@@ -548,28 +698,119 @@ window.addEventListener('drop', (event) => {
   if (file) void openFile(file);
 });
 
-// ---------------------------------------------------------------------------------------------- downloads
+// ---------------------------------------------------------------------------------------------- links
+
+/** The address's link, if it has one. */
+const linkOf = () => (isLink(location.hash) ? location.hash.slice(1) : '');
+
+/** The page has moved on from the link in its address. */
+function leaveLink() {
+  if (linkOf() === '') return;
+  const rest = new URLSearchParams(location.hash.slice(1));
+  const kept = ['embed', 'hide'].flatMap((name) => (rest.has(name) ? [`${name}=${rest.get(name)}`] : []));
+  history.replaceState(history.state, '', location.pathname + location.search + (kept.length > 0 ? `#${kept.join('&')}` : ''));
+}
 
 /**
- * @param {'csv' | 'svg'} format
- * @param {string} mime
+ * Does what a link says. Whatever would take long waits for a person to start it.
+ *
+ * @param {string} fragment
+ * @param {boolean} play
  */
-async function download(format, mime) {
+async function openLink(fragment, play) {
+  const { exemplar, preset, overrides, parameters: all, notes, cost } = await files.readLink(fragment);
+  const isGallery = 'gallery' in exemplar;
+  /** @type {Source} */
+  const source = isGallery
+    ? { source: 'gallery', name: exemplar.gallery }
+    : { source: 'pattern', name: 'Shared pattern', pattern: exemplar.pattern };
+  const { exemplar: shown } = await link.ask({ type: 'open', exemplar: source });
+  if (isGallery) {
+    const card = element('gallery').querySelector(`input[name="exemplar"][value="${CSS.escape(exemplar.gallery)}"]`);
+    if (card) /** @type {HTMLInputElement} */ (card).checked = true;
+    chosen = galleryChoices.get(exemplar.gallery) ?? { title: exemplar.gallery, caption: '', source };
+    setBoundary(shown.boundary);
+  } else {
+    chosen = { title: 'Shared pattern', caption: `From a link, ${points(shown.points.classes.length)}.`, source };
+    showOwn(chosen, shown);
+    setBoundary(shown.boundary);
+  }
+  isPrivate = false;
+  applySettings(preset, overrides);
+  if (play && cost.autoRun) {
+    await begin(true);
+    if (notes.length > 0) notify(notes.join(' '));
+    return;
+  }
+  waitForPerson(shown, all, notes, cost);
+}
+
+/**
+ * Shows a link's exemplar, and how long its run would take.
+ *
+ * @param {PatternView} exemplar
+ * @param {import('./messages.js').Parameters} all
+ * @param {string[]} notes
+ * @param {import('./files-messages.js').Cost} cost
+ */
+function waitForPerson(exemplar, all, notes, cost) {
+  run.clear();
+  [progress, parameters] = [null, null];
+  chart.keep();
+  const [x, y] = [Number(all['expansion-x']), Number(all['expansion-y'])];
+  const boundary = all['boundary'] === 'periodic' ? 'periodic' : 'open';
+  const size = /** @type {[number, number]} */ ([exemplar.size[0] * x, exemplar.size[1] * y]);
+  const none = { positions: new Float32Array(), classes: new Uint16Array() };
+  stage.show(exemplar, { ...exemplar, points: none, size, boundary });
+  element('exemplar-title').textContent = chosen.title;
+  element('exemplar-caption').textContent = chosen.caption;
+  element('exemplar-count').textContent = points(exemplar.points.classes.length);
+  element('output-count').textContent = `${points(cost.points)} · ${[x, y].map(times).join(' ')}`;
+  share.outdated();
+  const words = `This link asks for ${points(cost.points)}; on the processor that takes about ${duration(cost.seconds)}.`;
+  notify([...notes, words].join(' '), { label: 'Run', act: () => void begin(true) });
+  announce(words);
+}
+
+/** Opens the address's link; says why when it can't. @returns {Promise<boolean>} whether it did */
+async function openAddress() {
   try {
-    const { bytes } = await files.write(format, await run.export());
-    const name = chosen.source.name.replace(/\.[^.]*$/, '');
-    const anchor = document.createElement('a');
-    anchor.href = URL.createObjectURL(new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (bytes)], { type: mime }));
-    anchor.download = `pointweave-${name}.${format}`;
-    anchor.click();
-    setTimeout(() => URL.revokeObjectURL(anchor.href), 10_000);
+    await openLink(linkOf(), true);
+    return true;
   } catch (error) {
-    if (error instanceof Refused) complain(error.message);
-    else if (!(error instanceof WorkerDied)) throw error;
+    if (!(error instanceof Refused || error instanceof WorkerDied)) throw error;
+    complainAbout('This link can’t be opened: ', error.message);
+    return false;
   }
 }
-element('download-csv').addEventListener('click', () => void download('csv', 'text/csv'));
-element('download-svg').addEventListener('click', () => void download('svg', 'image/svg+xml'));
+
+window.addEventListener('hashchange', () => {
+  if (embedOptions(location).embed !== embedded) return location.reload();
+  applyEmbedOptions();
+  if (linkOf() !== '') {
+    unnotify();
+    void openAddress();
+  }
+});
+
+/** The exemplar as a link holds it, so that whoever opens the link has the same run. @param {import('./messages.js').PatternData} pattern */
+async function adopt(pattern) {
+  await openPattern(chosen.title, chosen.caption, pattern, isPrivate);
+  await begin(true);
+}
+
+element('open-whole').addEventListener('click', (event) => {
+  event.preventDefault();
+  // Opened at once: later, a browser would take it for an unasked window.
+  const tab = window.open('about:blank', '_blank');
+  void share.write().then(
+    ({ fragment }) => tab && (tab.location.href = `${location.origin}${location.pathname}#${fragment}`),
+    (error) => {
+      tab?.close();
+      complain(error instanceof Error ? error.message : String(error));
+    },
+  );
+});
 
 // ---------------------------------------------------------------------------------------------- keyboard
 
@@ -603,7 +844,8 @@ function keepSession(state) {
   session.keep({
     chosen,
     settings: readForm(settings),
-    fragment: location.hash,
+    fragment: linkOf(),
+    beyond,
     status: run.status,
     state,
     curve: chart.record,
@@ -611,8 +853,11 @@ function keepSession(state) {
 }
 
 /** Puts the settings of another visit in place. @param {import('./session.js').Kept} kept */
-function restore({ chosen: before, settings: values, curve }) {
+function restore({ chosen: before, settings: values, curve, beyond: more }) {
   chosen = before;
+  isPrivate = chosen.isOwn === true;
+  beyond = more;
+  showBeyond();
   const { engine: _, preset, boundary, ...rest } = values;
   fillForm(settings, rest);
   firstPreset = typeof preset === 'string' ? preset : firstPreset;
@@ -626,7 +871,8 @@ function restore({ chosen: before, settings: values, curve }) {
 /** Goes on with what this tab did before it was loaded again; false when there is nothing. */
 async function continueSession() {
   const kept = await session.recall();
-  if (!kept || kept.fragment !== location.hash) return false;
+  // A link that was opened goes before what the tab did until then.
+  if (!kept || (linkOf() !== '' && kept.fragment !== linkOf())) return false;
   restore(kept);
   const seed = readSeed();
   if (seed === null || kept.state === null) return begin(true);
@@ -638,24 +884,24 @@ async function continueSession() {
 async function boot() {
   try {
     const continued = continueSession();
-    // The worker answers in order: the run is on its way while the page is still being filled.
-    const description = link.ask({ type: 'describe' }).then(showDescription);
-    const gallery = link.ask({ type: 'gallery' });
-    const first = continued.then(async (goesOn) => {
-      if (goesOn) return;
-      if (run.status === 'empty' && chosen !== usual) {
+    await Promise.all([
+      link.ask({ type: 'describe' }).then(showDescription),
+      link.ask({ type: 'gallery' }).then(({ entries }) => showGallery(entries)),
+    ]);
+    booted = true;
+    void keepForOffline();
+    if (!(await continued) && (linkOf() === '' || !(await openAddress()))) {
+      if (run.status === 'empty' && chosen !== galleryChoices.get(FIRST)) {
         // What was kept can't be used any more.
         unnotify();
         settings.reset();
-        [chosen, firstPreset, knowsBoundary] = [usual, 'fast', false];
+        [chosen, firstPreset, knowsBoundary, beyond] = [galleryChoices.get(FIRST) ?? chosen, 'fast', false, {}];
+        showBeyond();
         showSliders();
       }
       await begin(true);
-    });
-    await Promise.all([description, gallery.then(({ entries }) => showGallery(entries))]);
-    booted = true;
-    void keepForOffline();
-    await first;
+    }
+    host.listen();
   } catch (error) {
     if (!(error instanceof WorkerDied)) throw error;
   }

@@ -71,6 +71,23 @@ export class Run {
     return this.#saved?.epoch === this.#epoch ? this.#saved.iterations : null;
   }
 
+  /** What the run was started with. */
+  get plan() {
+    return this.#plan;
+  }
+
+  /** There is no run any more. */
+  clear() {
+    this.#epoch++;
+    this.#plan = null;
+    this.#become('empty');
+  }
+
+  /** The run as it is now, to continue from another time. */
+  async state() {
+    return (await this.#link.ask({ type: 'save' })).state;
+  }
+
   /** @param {Status} status */
   #become(status) {
     if (status !== 'playing') this.#loop = null;

@@ -8,9 +8,10 @@
 
 /**
  * @typedef {object} Kept
- * @property {{ title: string, caption: string, source: Source }} chosen
+ * @property {{ title: string, caption: string, source: Source, isOwn?: boolean }} chosen
  * @property {Record<string, string | boolean>} settings
- * @property {string} fragment the address's, when this was kept
+ * @property {string} fragment the address's link, when this was kept
+ * @property {import('./messages.js').Parameters} beyond what no control shows
  * @property {import('./run.js').Status} status
  * @property {string | null} state of the run; null when there is none or it is too large
  * @property {{ losses: { gram: number, correlation: number }[], scales: number[] }} curve
@@ -44,7 +45,7 @@ const newId = () => crypto.getRandomValues(new Uint32Array(4)).join('-');
 
 /** @param {any} value @returns {value is Kept & { version: number }} whether it has the shape that is written here */
 function isKept(value) {
-  const { chosen, settings, state, curve } = value ?? {};
+  const { chosen, settings, beyond, state, curve } = value ?? {};
   return (
     value?.version === VERSION &&
     typeof chosen?.title === 'string' &&
@@ -52,6 +53,8 @@ function isKept(value) {
     typeof chosen.source?.name === 'string' &&
     typeof settings === 'object' &&
     settings !== null &&
+    typeof beyond === 'object' &&
+    beyond !== null &&
     (state === null || typeof state === 'string') &&
     Array.isArray(curve?.losses) &&
     Array.isArray(curve.scales)
