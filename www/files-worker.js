@@ -23,7 +23,9 @@ const refusal = (message) => ({ type: 'error', message, place: null });
 /** @param {BlobOptions} options */
 function findBlobs(options) {
   if (!picture) return refusal('no picture has been read yet');
-  const { width, height, data: pixels } = picture.image;
+  const { width, height, data } = picture.image;
+  // The module takes plain bytes only.
+  const pixels = new Uint8Array(data.buffer);
   return { ...answer({ type: 'blobs', width, height, pixels, options }), width, height };
 }
 

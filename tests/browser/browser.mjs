@@ -14,15 +14,16 @@ export const DIST = process.env.POINTWEAVE_DIST ?? fileURLToPath(new URL('../../
 /** How long a test waits for one thing; machines are slow and busy. */
 export const PATIENCE = 60_000;
 
-/** @param {{ webgpu?: boolean }} [options] */
-export async function launch({ webgpu = false } = {}) {
+/** @param {Parameters<typeof openChromium>[0] & { folder?: string }} [options] `folder`: another page than the built one */
+export async function launch({ folder = DIST, ...options } = {}) {
   assert.ok(existsSync(join(DIST, 'index.html')), `there is no built page in ${DIST}: run \`cargo xtask build\` first`);
-  const server = await serve(DIST);
-  const { context, close } = await openChromium({ webgpu });
+  const server = await serve(folder);
+  const { context, close } = await openChromium(options);
   context.setDefaultTimeout(PATIENCE);
   return {
     context,
     url: server.url,
+    stopServer: server.close,
     async close() {
       await close();
       await server.close();

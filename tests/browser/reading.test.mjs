@@ -1,9 +1,10 @@
 // @ts-check
 /** What the import says about a place in a file and about an address, without a page. */
 import assert from 'node:assert/strict';
+import { createServer } from 'node:http';
 import { describe, test } from 'node:test';
 
-import { nameOf, NotFetched, requestedAddress, webAddress } from '../../www/app/fetching.js';
+import { fetchBytes, nameOf, NotFetched, requestedAddress, webAddress } from '../../www/app/fetching.js';
 import { offending } from '../../www/app/offending.js';
 
 /** The marked part of the line that is wrong. @param {string} text @param {number} line @param {number | null} column */
@@ -63,5 +64,38 @@ describe('an address', () => {
     assert.equal(nameOf(new URL('https://a.org/some/')), 'some');
     assert.equal(nameOf(new URL('https://a.org/')), 'a.org');
     assert.equal(nameOf(new URL('https://a.org/%ff')), '%ff');
+  });
+});
+
+describe('a file from an address', () => {
+  test('is read up to a limit, whatever the site says of its length', { timeout: 30_000 }, async () => {
+    Object.assign(globalThis, { location: new URL('https://page.example/') });
+    let sent = 0;
+    const server = createServer((request, response) => {
+      if (request.url === '/missing') return void response.writeHead(404).end();
+      if (request.url === '/short') return void response.end('1 2\n3 4\n');
+      // Without a length, and without an end.
+      const timer = setInterval(() => {
+        response.write('x'.repeat(400));
+        sent += 400;
+      }, 5);
+      response.on('close', () => clearInterval(timer));
+    });
+    await new Promise((resolve) => server.listen(0, '127.0.0.1', () => resolve(undefined)));
+    const { port } = /** @type {import('node:net').AddressInfo} */ (server.address());
+    const get = (/** @type {string} */ path, signal = new AbortController().signal) => fetchBytes(new URL(`http://127.0.0.1:${port}${path}`), 1000, signal);
+    try {
+      assert.equal(new TextDecoder().decode(await get('/short')), '1 2\n3 4\n');
+      await assert.rejects(get('/missing'), /answers 404/);
+      await assert.rejects(get('/endless'), NotFetched);
+      assert.ok(sent < 100_000, `${sent} bytes were sent`);
+      const abort = new AbortController();
+      const waits = get('/endless', abort.signal);
+      abort.abort();
+      await assert.rejects(waits, (error) => !(error instanceof NotFetched), 'who gives up is not told that it failed');
+    } finally {
+      server.close();
+      server.closeAllConnections();
+    }
   });
 });

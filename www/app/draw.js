@@ -118,7 +118,8 @@ export function drawPoints(context, colours, positions, classes, { left, top, sc
  *
  * @param {number | null} spacing in exemplar units
  * @param {number} scale pixels an exemplar unit
+ * @param {number} [most] the largest that looks well on the page
  */
-export function markRadius(spacing, scale) {
-  return Math.min(6, Math.max(0.9, 0.22 * (spacing ?? 0.05) * scale));
+export function markRadius(spacing, scale, most = 6) {
+  return Math.min(most, Math.max(0.9, 0.22 * (spacing ?? 0.05) * scale));
 }

@@ -80,7 +80,7 @@ export class DrawingBoard {
     this.#scene = scene;
     new ResizeObserver(() => this.layout()).observe(/** @type {HTMLElement} */ (canvas.parentElement));
     window.addEventListener('resize', () => this.layout());
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    window.addEventListener('themechange', () => {
       this.#colours = readColours();
       this.draw();
     });

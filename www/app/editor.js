@@ -933,7 +933,7 @@ export class Editor {
       this.#commit({ pattern: changed, selection }, `Set the ${name} of ${many(selection.size)} to ${this.#number(value)}`, `slide ${[...selection].join()}`);
     });
     slider.addEventListener('change', () => this.#history.settle());
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    window.addEventListener('themechange', () => {
       if (this.#open) this.#showClasses();
     });
   }

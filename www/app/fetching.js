@@ -61,7 +61,8 @@ export async function fetchBytes(url, most, signal) {
   if (!response.ok) throw new NotFetched(`${url.host} answers ${response.status}${response.statusText ? ` (${response.statusText})` : ''}`);
   const tooLarge = () => new NotFetched(`the file at ${url.host} has more than ${Math.round(most / 1e6)} MB; at most that many are read`);
   if (Number(response.headers.get('content-length')) > most) {
-    await response.body?.cancel();
+    // Nobody waits for the rest, also not for its end.
+    response.body?.cancel().catch(() => {});
     throw tooLarge();
   }
   const chunks = [];
@@ -73,7 +74,7 @@ export async function fetchBytes(url, most, signal) {
       if (done) break;
       length += value.length;
       if (length > most) {
-        await reader.cancel();
+        reader.cancel().catch(() => {});
         throw tooLarge();
       }
       chunks.push(value);

@@ -38,8 +38,11 @@ const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (ele
 /** Five digits are enough to recognise a number. @param {number} value */
 const number = (value) => String(Number(value.toPrecision(5)));
 
+/** @param {string} words */
+export const capital = (words) => words.charAt(0).toUpperCase() + words.slice(1);
+
 /** @param {string} message */
-const sentence = (message) => message.charAt(0).toUpperCase() + message.slice(1) + (/[.!?]$/.test(message) ? '' : '.');
+const sentence = (message) => capital(message) + (/[.!?]$/.test(message) ? '' : '.');
 
 export class Import {
   #dialog = /** @type {HTMLDialogElement} */ (element('import'));
@@ -330,7 +333,7 @@ export class Import {
   /** @param {Preview} preview @param {string} remark @param {Project | null} project */
   #showFacts({ format, points: total, classes, attributes, domain, declared, boundary, notes }, remark, project) {
     const [x0, y0, x1, y1] = domain.map(number);
-    element('import-format').textContent = project ? `${format}, a session that goes on where it was saved` : format;
+    element('import-format').textContent = project ? `${capital(format)}, a session that goes on where it was saved` : capital(format);
     element('import-points').textContent = points(total);
     const colours = readColours();
     element('import-classes').replaceChildren(
