@@ -155,6 +155,7 @@ describe('in a frame, the page', () => {
       // The person's own points are not the host's.
       const inside = page.frameLocator('iframe').first();
       await inside.locator('#file').setInputFiles({ name: 'secret.csv', mimeType: 'text/csv', buffer: Buffer.from(square) });
+      await inside.getByRole('button', { name: 'Use these points' }).click();
       await inside.locator('#exemplar-title').getByText('secret.csv').waitFor();
       assert.match(await refused({ type: 'points' }), /person’s own/);
       assert.equal((await ask(page, { type: 'state' })).title, '');

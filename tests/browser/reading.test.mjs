@@ -74,6 +74,7 @@ describe('a file from an address', () => {
     const server = createServer((request, response) => {
       if (request.url === '/missing') return void response.writeHead(404).end();
       if (request.url === '/short') return void response.end('1 2\n3 4\n');
+      if (request.url === '/announced') return void response.writeHead(200, { 'Content-Length': 5000 }).flushHeaders();
       // Without a length, and without an end.
       const timer = setInterval(() => {
         response.write('x'.repeat(400));
@@ -87,6 +88,7 @@ describe('a file from an address', () => {
     try {
       assert.equal(new TextDecoder().decode(await get('/short')), '1 2\n3 4\n');
       await assert.rejects(get('/missing'), /answers 404/);
+      await assert.rejects(get('/announced'), NotFetched, 'nothing of it has to come first');
       await assert.rejects(get('/endless'), NotFetched);
       assert.ok(sent < 100_000, `${sent} bytes were sent`);
       const abort = new AbortController();

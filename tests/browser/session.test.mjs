@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
-import { drop, iterations, launch, parameter, pause, peek, settled, status, withPage } from './browser.mjs';
+import { drop, iterations, launch, parameter, pause, peek, settled, status, useIt, withPage } from './browser.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -111,6 +111,7 @@ describe('a reload', () => {
     await iterations(page, 1);
     const rows = Array.from({ length: 49 }, (_, i) => `${((i % 7) + 0.5) / 7},${(Math.floor(i / 7) + 0.5) / 7}`);
     await drop(page, 'mine.csv', ['# domain 0 0 1 1 periodic', 'x,y', ...rows].join('\n'));
+    await useIt(page);
     await page.waitForFunction(() => document.getElementById('exemplar-title')?.textContent === 'mine.csv');
     await page.getByLabel('Show 3 × 3 tiles').check();
     const { curve } = await kept(page, (record) => record.chosen.title === 'mine.csv' && record.curve.losses.length > 2);
@@ -122,7 +123,7 @@ describe('a reload', () => {
     assert.equal(await page.locator('#exemplar-count').innerText(), '49 points');
     assert.ok(await page.getByLabel('Show 3 × 3 tiles').isChecked());
     assert.equal((await peek(page, 'parameters')).boundary, 'periodic');
-    assert.ok(await page.locator('.exemplar-card input[value="own"]').isChecked());
+    assert.ok(await page.locator('.exemplar-card input[value="own-1"]').isChecked());
     assert.equal(await page.locator('.exemplar-card input[value="rings"]').count(), 1, 'the gallery is there, too');
   });
 

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
-import { drop, farthest, iterations, launch, parameter, pause, peek, settled, status, withPage } from './browser.mjs';
+import { drop, farthest, iterations, launch, parameter, pause, peek, settled, status, useIt, withPage } from './browser.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -106,6 +106,7 @@ describe('a link', () => {
     await withPage(sender, {}, async (page) => {
       await iterations(page, 1);
       await drop(page, 'mine.csv', `# domain 0 0 100 100\n${ownPoints(300)}`);
+      await useIt(page);
       await page.waitForFunction(() => document.getElementById('exemplar-title')?.textContent === 'mine.csv');
       await status(page, 'playing');
       await pause(page);
@@ -134,6 +135,7 @@ describe('a link', () => {
       await page.getByLabel('Width').fill('1');
       await parameter(page, 'expansion-x', 1);
       await drop(page, 'long.csv', ownPoints(1000));
+      await useIt(page);
       await page.waitForFunction(() => document.getElementById('exemplar-title')?.textContent === 'long.csv');
       await status(page, 'playing');
       await pause(page);
@@ -142,6 +144,7 @@ describe('a link', () => {
       assert.match(note, /Some programs cut links that long; a file holds the same/);
       assert.ok(await page.getByRole('button', { name: 'Save as a project file' }).isVisible());
       await drop(page, 'longer.csv', ownPoints(12_000));
+      await useIt(page);
       await page.waitForFunction(() => document.getElementById('exemplar-title')?.textContent === 'longer.csv');
       await status(page, 'playing');
       await pause(page);

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
 import { after, before, describe, test } from 'node:test';
 
-import { csvRows, drop, farthest, iterations, launch, parameter, pause, peek, settled, status, withPage } from './browser.mjs';
+import { csvRows, drop, farthest, iterations, launch, parameter, pause, peek, settled, status, useIt, withPage } from './browser.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -159,6 +159,7 @@ describe('a project', () => {
       await withPage(other, {}, async (fresh) => {
         await iterations(fresh, 1);
         await drop(fresh, project.name, project.bytes.toString('utf8'));
+        await useIt(fresh);
         await fresh.getByText('From a project, 60 points.').first().waitFor({ state: 'attached' });
         await status(fresh, 'paused');
         await fresh.waitForFunction((count) => /** @type {any} */ (window).pointweave.progress.totalIterations === count, before.count);
