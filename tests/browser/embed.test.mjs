@@ -189,7 +189,7 @@ describe('in a frame, the page', () => {
       await page.locator('.exemplar-card:has([value="maze"])').click();
       await page.locator('#exemplar-title').getByText('Maze').waitFor();
       await page.getByText('Put it on a page of yours').click();
-      await page.getByLabel('Loss').check();
+      await page.getByRole('checkbox', { name: 'Loss' }).check();
       await page.waitForFunction(() => {
         const { value } = /** @type {HTMLTextAreaElement} */ (document.getElementById('frame-code'));
         return /exemplar=maze/.test(value) && !/hide=[^"]*loss/.test(value);

@@ -92,7 +92,7 @@ describe('the result can be taken as', () => {
 
   pageTest('PNG at the size that was asked for, and on the clipboard', async (page) => {
     await paused(page);
-    await page.getByLabel('Picture width').fill('500');
+    await page.getByLabel('Picture size').fill('500');
     const png = await file(page, 'Download PNG');
     assert.equal(png.name, 'pointweave-rings.png');
     assert.deepEqual(pngSize(png.bytes), [500, 500]);
@@ -104,8 +104,8 @@ describe('the result can be taken as', () => {
     const types = await page.evaluate(async () => (await navigator.clipboard.read()).flatMap(({ types }) => types));
     assert.deepEqual(types, ['image/png']);
     for (const width of ['63', '9000', '1.5', '']) {
-      await page.getByLabel('Picture width').fill(width);
-      assert.equal(await page.getByLabel('Picture width').getAttribute('aria-invalid'), 'true');
+      await page.getByLabel('Picture size').fill(width);
+      assert.equal(await page.getByLabel('Picture size').getAttribute('aria-invalid'), 'true');
       await page.getByRole('button', { name: 'Download PNG' }).click();
       await page.getByText('A picture is 64 to 8192 pixels wide').waitFor();
       await page.getByRole('button', { name: 'Dismiss' }).click();
@@ -114,7 +114,7 @@ describe('the result can be taken as', () => {
 
   pageTest('one seamless tile, where the result is periodic', async (page) => {
     await paused(page);
-    await page.getByLabel('Picture width').fill('600');
+    await page.getByLabel('Picture size').fill('600');
     const png = await file(page, 'Tile as PNG');
     assert.equal(png.name, 'pointweave-rings-tile.png');
     assert.deepEqual(pngSize(png.bytes), [600, 600]);
@@ -143,7 +143,7 @@ describe('a project', () => {
     await pause(page);
     const before = { positions: await peek(page, 'positions'), count: (await peek(page, 'progress')).totalIterations };
     const project = await file(page, 'Save project');
-    assert.match(project.name, /^pointweave-rings\..*json$/);
+    assert.match(project.name, /^pointweave-rings-project\.json$/);
     const steps = async (/** @type {Page} */ where) => {
       for (let done = 1; done <= 2; done++) {
         await where.getByRole('button', { name: 'Step' }).click();
@@ -166,6 +166,7 @@ describe('a project', () => {
         assert.deepEqual(await peek(fresh, 'positions'), before.positions);
         assert.equal(await fresh.getByLabel('Seed', { exact: true }).inputValue(), '12');
         assert.equal(await fresh.locator('#expansion-x-value').innerText(), '×1.5');
+        assert.ok(await fresh.locator('#beyond').isHidden(), 'the controls show all there is');
         assert.deepEqual(await steps(fresh), expected, 'the same continuation');
         // And again from its start.
         await fresh.getByRole('button', { name: 'Reset' }).click();

@@ -69,7 +69,7 @@ const statistics = new Statistics(link, { status: () => run.status, announce });
 
 /** A page in a frame is its host's to keep. */
 const session = new Session(window === window.top && !embedded);
-const take = new Take(files, link, run, stage, { chosen: () => chosen, plan: currentPlan, complain, announce });
+const take = new Take(files, link, run, stage, { chosen: () => chosen, complain, announce });
 const share = new Share(files, { chosen: () => chosen, plan: currentPlan, adopt, saveProject: () => take.project(), announce });
 const host = new Host({
   state: () => ({
@@ -359,7 +359,7 @@ const planned = (seed) => ({
   },
 });
 
-/** The run at hand with all its parameters, as links and projects keep it; null when there is none. */
+/** The run at hand with all its parameters, as links keep it; null when there is none. */
 function currentPlan() {
   const plan = run.plan;
   return plan && parameters && { ...plan, overrides: parameters };

@@ -114,6 +114,8 @@ export class Share {
       const text = written.then(({ fragment }) => `${this.#page}#${fragment}`);
       // Begun before the link is there: some browsers forget that a button was pressed.
       const copied = copyText(text);
+      // Where there is no link there is nothing to copy: told once, below.
+      copied.catch(() => {});
       const { fragment, pattern, exact } = await written;
       field('link').value = await text;
       element('link-made').hidden = false;

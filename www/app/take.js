@@ -18,7 +18,6 @@ const HOLD_MS = 10_000;
 /**
  * @typedef {object} Hooks
  * @property {() => { title: string, source: import('./messages.js').Source }} chosen
- * @property {() => import('./run.js').Plan | null} plan of the run, with all its parameters
  * @property {(sentence: string) => void} complain
  * @property {(sentence: string) => void} announce
  */
@@ -95,10 +94,10 @@ export class Take {
     });
   }
 
-  /** @param {string} extension @param {string} [suffix] */
+  /** @param {string} extension with its dot @param {string} [suffix] */
   #name(extension, suffix = '') {
     const { source } = this.#hooks.chosen();
-    return `pointweave-${source.name.replace(/\.[^.]*$/, '').replace(/[\\/:*?"<>|]+/g, '-')}${suffix}.${extension}`;
+    return `pointweave-${source.name.replace(/\.[^.]*$/, '').replace(/[\\/:*?"<>|]+/g, '-')}${suffix}${extension}`;
   }
 
   /** @param {FileFormat} format @param {boolean} [tile] */
@@ -106,7 +105,7 @@ export class Take {
     const pattern = await this.#run.export();
     const { bytes, mime, extension } = await this.#files.write(format, pattern, { title: this.#hooks.chosen().title, tile });
     give(asBlob(bytes, mime), this.#name(extension, tile ? '-tile' : ''));
-    this.#hooks.announce(`${points(pattern.classes.length)} saved as ${extension.toUpperCase()}.`);
+    this.#hooks.announce(`${points(pattern.classes.length)} saved as ${extension.slice(1).toUpperCase()}.`);
   }
 
   #readWidth() {
@@ -137,7 +136,7 @@ export class Take {
   /** @param {boolean} tile */
   async #picture(tile) {
     const blob = await this.#png(tile);
-    if (blob) give(blob, this.#name('png', tile ? '-tile' : ''));
+    if (blob) give(blob, this.#name('.png', tile ? '-tile' : ''));
   }
 
   async #copyTable() {
@@ -160,7 +159,7 @@ export class Take {
 
   /** Everything in one file, to go on with later. */
   async project() {
-    const plan = this.#hooks.plan();
+    const { plan } = this.#run;
     if (!plan) return;
     const { title, source } = this.#hooks.chosen();
     // Asked for in one breath, so that both are of the same moment.
@@ -177,7 +176,7 @@ export class Take {
       output,
       state,
     });
-    give(asBlob(bytes, mime), this.#name(extension));
+    give(asBlob(bytes, mime), this.#name(extension, '-project'));
     this.#hooks.announce('The project is saved. Drop it on the page to go on.');
   }
 }
