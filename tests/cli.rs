@@ -8,7 +8,7 @@ mod program;
 use std::fs;
 use std::path::Path;
 
-use pointweave::formats::{ReadOptions, read, write_csv};
+use pointweave::formats::{Project, ReadOptions, read, write_csv, write_project};
 use pointweave::{Boundary, PointPattern, gallery};
 use program::{Folder, run};
 
@@ -140,7 +140,7 @@ fn a_saved_run_continues_bit_for_bit() {
     refused(&["synth", "--resume", &state, "--seed", "2"], b"", 2, &["--seed", "--resume"]);
     let broken = folder.file("broken.state", "{\"version\": 1}");
     refused(&["synth", "--resume", &broken], b"", 1, &["broken.state", "is not a saved state", "missing field"]);
-    let later = fs::read_to_string(&state).unwrap().replacen("\"version\":1", "\"version\":99", 1);
+    let later = fs::read_to_string(&state).unwrap().replacen("\"version\":2", "\"version\":99", 1);
     let later = folder.file("later.state", &later);
     refused(&["synth", "--resume", &later], b"", 1, &["can't be continued", "99"]);
 }
@@ -220,6 +220,81 @@ fn the_gallery_lists_and_exports() {
     assert_eq!(pattern(&run(&["gallery", entry.name], b"").stdout), entry.exemplar());
     let other = run(&["gallery", entry.name, "--seed", "12", "--format", "json"], b"");
     assert_eq!(pattern(&other.stdout), entry.generate(12));
+}
+
+#[test]
+fn arrays_and_drawings_go_in_and_arrays_come_out() {
+    let folder = Folder::new("arrays");
+    let csv = folder.file("in.csv", &exemplar());
+    let array = folder.path("out.npy");
+    synth(&[&csv, "-o", &array], b"");
+    let result = fs::read(&array).unwrap();
+    assert!(result.starts_with(b"\x93NUMPY"));
+    assert_eq!(pattern(&result).positions(), pattern(&synth(&[&csv], b"")).positions());
+    // A drawing of the exemplar is an exemplar, in its own unit.
+    let name = gallery::entries()[0].name;
+    for file in ["in.svg", "in.npy"] {
+        let file = folder.path(file);
+        assert!(run(&["gallery", name, "-o", &file], b"").status.success());
+        let count = pattern(exemplar().as_bytes()).len();
+        assert_eq!(pattern(&fs::read(&file).unwrap()).len(), count, "{file}");
+        assert_eq!(pattern(&synth(&[&file, "--scale", "1"], b"")).len(), count, "{file}");
+    }
+    // A picture has lost what goes on beyond the border of a tile, but not what lies within.
+    let picture = folder.path("in.png");
+    assert!(run(&["gallery", "blue-noise", "-o", &picture], b"").status.success());
+    let (seen, there) =
+        (pattern(&fs::read(&picture).unwrap()).len(), gallery::find("blue-noise").unwrap().exemplar().len());
+    assert!(seen >= there && seen < there + there / 2, "{seen} blobs of {there} points");
+}
+
+#[test]
+fn links_are_written_and_read() {
+    let output = run(
+        &["link", "encode", "gallery:rings", "--seed", "7", "--scale", "3x2", "--base", "https://example.org/"],
+        b"",
+    );
+    let link = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(link, "https://example.org/#v=1&preset=fast&expansion-x=3&seed=7&exemplar=rings\n");
+    let read = run(&["link", "decode", link.trim()], b"");
+    assert_eq!(pattern(&read.stdout), gallery::find("rings").unwrap().exemplar());
+    let words = String::from_utf8_lossy(&read.stderr);
+    assert!(words.contains("seed 7") && words.contains("preset fast"), "{words}");
+
+    let own = run(&["link", "encode", "-", "--domain", "0,0,4,2"], b"1 1\n3 2\n0 0\n");
+    let link = String::from_utf8(own.stdout).unwrap();
+    assert!(link.starts_with("#v=1&preset=fast&domain=0,0,4,2&points="), "{link}");
+    let back = pattern(&run(&["link", "decode", &link, "--format", "json"], b"").stdout);
+    assert_eq!((back.len(), back.domain().max().to_array()), (3, [4.0, 2.0]));
+    refused(&["link", "decode", "v=1&points=AAAA"], b"", 1, &["points can't be read"]);
+    refused(&["link", "encode", "gallery:rings", "--set", "channels=1"], b"", 2, &["between 4 and 160"]);
+}
+
+#[test]
+fn a_project_continues_as_the_very_same_run() {
+    let folder = Folder::new("project");
+    let input = folder.file("in.csv", &exemplar());
+    let state = folder.path("half.state");
+    let half = synth(&[&input, "--max-iterations", "4", "--save-state", &state], b"");
+    let project = Project {
+        title: "Half".to_owned(),
+        output: Some(pattern(&half)),
+        state: Some(fs::read_to_string(&state).unwrap()),
+        ..Project::default()
+    };
+    let text = write_project(&pattern(exemplar().as_bytes()), &project).unwrap();
+    let project = folder.file("half.json", &text);
+    let resume = |from: &str| {
+        let output = run(&["synth", "--resume", from, "--threads", "1"], b"");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    };
+    assert_eq!(resume(&project), resume(&state));
+    assert_ne!(resume(&project), half, "there was something left to do");
+    // As an exemplar it is the exemplar.
+    assert_eq!(pattern(text.as_bytes()), pattern(exemplar().as_bytes()));
+    let bare = folder.file("bare.json", &write_project(&pattern(exemplar().as_bytes()), &Project::default()).unwrap());
+    refused(&["synth", "--resume", &bare], b"", 1, &["holds no run"]);
 }
 
 #[test]

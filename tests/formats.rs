@@ -4,7 +4,8 @@
 use glam::DVec2;
 use pointweave::formats::style::Look;
 use pointweave::formats::{
-    FormatError, MAX_BYTES, PngStyle, ReadOptions, SvgStyle, draw, read, write_csv, write_json, write_png, write_svg,
+    FileFormat, FormatError, MAX_BYTES, PngStyle, ReadOptions, Reading, SvgStyle, draw, open, read, write_csv,
+    write_json, write_npy, write_png, write_svg, write_tsv,
 };
 use pointweave::sampling::{Purpose, Rng};
 use pointweave::{Attribute, Boundary, Domain, PointPattern};
@@ -229,7 +230,7 @@ fn json_that_is_refused() {
     refused("[{\"x\": 1}]", &["no 'y'"]);
     refused("[{\"x\": 1, \"y\": 0}, {\"x\": 1}]", &["point 2 of the list has no 'y'"]);
     refused("[{\"x\": 1, \"y\": 0}, {\"x\": 1, \"y\": 0, \"z\": 1}]", &["point 2", "'z'"]);
-    refused("{\"type\": \"FeatureCollection\", \"features\": []}", &["neither 'points' nor 'positions'", "'features'"]);
+    refused("{\"kind\": \"none we know\", \"features\": []}", &["neither 'points' nor 'positions'", "'features'"]);
     refused("{\"points\": 7}", &["'points' is a number"]);
     refused("{\"points\": [[0,0]], \"boundary\": \"torus\"}", &["\"torus\"", "\"periodic\""]);
     refused("{\"points\": [[0,0]], \"domain\": [0, 0, 1]}", &["'domain' must be [x0, y0, x1, y1]"]);
@@ -241,6 +242,29 @@ fn json_that_is_refused() {
     assert!(named.contains("it is a number"), "{named}");
     refused(&"[".repeat(5000), &["recursion"]);
     refused(&format!("[{}0]", "[],".repeat(3_000_001)), &["more than 3000000 values"]);
+}
+
+#[test]
+fn sizes_are_not_negative_and_no_row_lacks_a_value() {
+    refused("x,y,radius\n0,0,1\n\n0,0,-0.5\n", &["line 4, column 3", "radius is \"-0.5\"", "0 or more"]);
+    refused("x;y;scale\n0;0;-1,5\n", &["line 2, column 3", "scale is \"-1,5\""]);
+    refused("Scale y x\n1 0 0\n-2 1 1", &["line 3, column 1", "Scale is \"-2\"", "0 or more"]);
+    refused("1 1000\n1000 5 5 7\n1000 5 5 -7", &["line 3, column 4", "radius is \"-7\""]);
+    refused(r#"[{"x": 0, "y": 0, "radius": 1}, {"x": 0, "y": 0, "radius": -1}]"#, &["point 2 of the list", "\"-1\""]);
+    let own = r#"{"positions": [[0, 0], [1, 1]], "attributes": [{"name": "radius", "values": [1, -3]}]}"#;
+    refused(own, &["point 1", "radius is -3", "0 or more"]);
+    let other = good("x,y,depth,orientation\n0,0,-1,-90\n1,1,0,360");
+    assert_eq!(other.attributes()[0].values, [-1.0, 0.0], "other quantities have a sign");
+
+    refused("x,y,depth\n0,0,1\n0,1,\n", &["line 3, column 3", "depth is \"\""]);
+    refused("x,y,class,depth\n0,0,a,1\n0,1,a\n", &["line 3", "3 values", "4 are needed"]);
+    refused("2 1000 2000\n1000 5 5 7\n2000 5 5", &["line 3", "3 values", "4 are needed"]);
+    let short = r#"{"positions": [[0, 0], [1, 1]], "attributes": [{"name": "depth", "values": [1]}]}"#;
+    refused(short, &["depth has 1 values for 2 points"]);
+    // The ids of classes are names: any will do.
+    assert_eq!(good("0 0 7\n0 1 3\n1 1 7").class_names(), ["7", "3"]);
+    let gap = r#"{"positions": [[0, 0], [1, 1]], "classes": [0, 2], "class_names": ["a", "b"]}"#;
+    refused(gap, &["point 1 has class 2", "2 classes (0 to 1)"]);
 }
 
 #[test]
@@ -276,16 +300,304 @@ fn limits() {
 #[test]
 fn other_files_are_named() {
     for (bytes, word) in [
-        (&b"\x89PNG\r\n\x1a\n"[..], "PNG picture"),
+        (&b"\x89PNG\r\n\x1a\n"[..], "no proper PNG"),
+        (b"\xff\xd8\xff\xe0", "a JPEG picture"),
+        (b"RIFF....WEBPVP8 ", "a WebP picture"),
         (b"PK\x03\x04....", "spreadsheet"),
         (b"\xff\xfe0\x00", "UTF-16"),
-        (b"  <svg/>", "XML"),
+        (b"  <html></html>", "XML"),
         (b"0.5 0.5\x00", "binary"),
         (b"0 0\n1 1 \xe9l\xe9\n", "line 2: byte 0xe9 is not UTF-8"),
     ] {
         let message = read(bytes, None, &ReadOptions::default()).unwrap_err().to_string();
         assert!(message.contains(word), "{message}");
     }
+}
+
+/// Everything that [`open`] tells.
+#[track_caller]
+fn opened(bytes: impl AsRef<[u8]>) -> Reading {
+    open(bytes.as_ref(), None, &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[track_caller]
+fn noted(reading: &Reading, part: &str) {
+    assert!(reading.notes.iter().any(|note| note.contains(part)), "{:?} without {part:?}", reading.notes);
+}
+
+#[test]
+fn geojson_points() {
+    let text = r#"{"type": "FeatureCollection", "features": [
+        {"type": "Feature", "geometry": {"type": "Point", "coordinates": [13, 52, 7]}, "properties": {"Species": "oak", "h": 3, "n": "x"}},
+        {"type": "Feature", "geometry": {"type": "MultiPoint", "coordinates": [[14, 53], [15, 52]]}, "properties": {"Species": "elm", "h": 4.5}},
+        {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": []}, "properties": {}},
+        {"type": "Feature", "geometry": null, "properties": null}]}"#;
+    let reading = opened(text);
+    assert_eq!((reading.format, reading.is_domain_declared), (FileFormat::GeoJson, false));
+    assert_eq!(xy(&reading.pattern), [(13.0, 52.0), (14.0, 53.0), (15.0, 52.0)]);
+    assert_eq!(class_of(&reading.pattern), ["oak", "elm", "elm"]);
+    assert_eq!(reading.pattern.attributes(), [Attribute { name: "h".to_owned(), values: vec![3.0, 4.5, 4.5] }]);
+    noted(&reading, "2 shapes that are no points");
+    noted(&reading, "on a plane");
+    noted(&reading, "left out: n");
+
+    let point = opened(r#"{"type": "Point", "coordinates": [0.5, 0.25]}"#);
+    assert_eq!(xy(&point.pattern), [(0.5, 0.25)]);
+    let several = r#"{"type": "GeometryCollection", "geometries": [{"type": "Point", "coordinates": [0, 0]}, {"type": "LineString", "coordinates": [[0, 1]]}]}"#;
+    assert_eq!(opened(several).pattern.len(), 1);
+    // Numbers are classes too; more of them than there may be classes are a quantity.
+    let features = |count: usize| {
+        let feature = |i: usize| {
+            format!(
+                r#"{{"type":"Feature","geometry":{{"type":"Point","coordinates":[{i},{}]}},"properties":{{"class":{i}}}}}"#,
+                i * i
+            )
+        };
+        let list: Vec<String> = (0..count).map(feature).collect();
+        format!(r#"{{"type":"FeatureCollection","features":[{}]}}"#, list.join(","))
+    };
+    assert_eq!(opened(features(3)).pattern.class_names(), ["0", "1", "2"]);
+    let many = opened(features(17)).pattern;
+    assert_eq!((many.class_names().len(), many.attributes()[0].name.as_str()), (1, "class"));
+
+    refused(r#"{"type": "FeatureCollection", "features": 3}"#, &["'features' must be a list"]);
+    refused(r#"{"type": "FeatureCollection", "features": []}"#, &["no points"]);
+    let bad = |geometry: &str| {
+        format!(
+            "{{\"type\": \"FeatureCollection\", \"features\": [\n  {{\"type\": \"Feature\", \"geometry\": {geometry}}}\n]}}"
+        )
+    };
+    refused(&bad(r#"{"type": "Point", "coordinates": [1]}"#), &["line 2, column 3", "two numbers"]);
+    refused(&bad(r#"{"type": "Point", "coordinates": ["a", 2]}"#), &["line 2, column 3", "two numbers"]);
+    refused(&bad(r#"{"type": "Circle", "coordinates": [1, 2]}"#), &["line 2, column 3", "\"Circle\""]);
+    refused(&bad(r#"{"type": "MultiPoint", "coordinates": [1, 2]}"#), &["a position is a number"]);
+    let deep = (0..20).fold(r#"{"type":"Point","coordinates":[1,2]}"#.to_owned(), |inner, _| {
+        format!(r#"{{"type":"GeometryCollection","geometries":[{inner}]}}"#)
+    });
+    refused(&deep, &["more than 8 deep"]);
+}
+
+/// An SVG around `content`.
+fn drawing(attributes: &str, content: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" {attributes}>\n{content}\n</svg>"
+    )
+}
+
+#[test]
+fn svg_circles_wherever_they_stand() {
+    let page = "viewBox=\"0 0 100 100\"";
+    let at = |content: &str| xy(&opened(drawing(page, content)).pattern);
+    let round = |list: Vec<(f64, f64)>| {
+        list.iter().map(|(x, y)| ((x * 1e6).round() / 1e6, (y * 1e6).round() / 1e6)).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        at("<circle cx='10' cy='20' r='3'/><ellipse cx='30px' cy='1in' rx='1' ry='2'/>"),
+        [(10.0, 20.0), (30.0, 96.0)]
+    );
+    assert_eq!(at("<circle style='cx: 7; cy:8;r:1'/><circle cx='50%' cy='25%' r='1%'/>"), [(7.0, 8.0), (50.0, 25.0)]);
+    assert_eq!(
+        at("<g transform='translate(10, 20)'><g transform='scale(2)'><circle cx='5' cy='1' r='1'/></g></g>"),
+        [(20.0, 22.0)]
+    );
+    assert_eq!(round(at("<circle transform='rotate(90 50 50)' cx='60' cy='50' r='1'/>")), [(50.0, 60.0)]);
+    let twice = "<defs><circle id='c' cx='1' cy='2' r='1'/></defs><use href='#c' x='10'/><use xlink:href='#c' y='5' transform='translate(3)'/>";
+    assert_eq!(at(twice), [(11.0, 2.0), (4.0, 7.0)]);
+    assert_eq!(at("<symbol id='s'><circle cx='3' r='1'/></symbol><use href='#s' x='1' y='2'/>"), [(4.0, 2.0)]);
+    let nested = "<svg x='20' y='20' width='50' height='50' viewBox='-1 -1 2 2'><circle r='.1'/><circle cx='1' cy='-1' r='.1'/></svg>";
+    assert_eq!(at(nested), [(45.0, 45.0), (70.0, 20.0)]);
+    let hidden = "<circle cx='1' cy='1' r='1'/><g display='none'><circle cx='9' r='1'/></g><circle style='visibility:hidden' r='1'/>\
+                  <circle fill='none' r='1' cx='5'/><clipPath id='k'><circle r='50'/></clipPath><g visibility='hidden'><circle visibility='visible' cx='2' cy='2' r='1'/></g>";
+    assert_eq!(at(hidden), [(1.0, 1.0), (2.0, 2.0)]);
+
+    let reading = opened(drawing(
+        page,
+        "<circle cx='5' cy='5' r='0'/><circle cx='5' cy='200' r='1'/><path d='M0 0'/><circle cx='5' cy='5' r='1'/><use href='other.svg#x'/>",
+    ));
+    assert_eq!(reading.pattern.len(), 1);
+    noted(&reading, "One circle outside the picture");
+    noted(&reading, "2 shapes that are no circles");
+    noted(&reading, "1 circles without a size");
+    // Many programs name SVG's DTD; it is not looked at.
+    let graphviz = "<?xml version='1.0'?>\n<!DOCTYPE svg PUBLIC \"-//W3C//DTD SVG 1.1//EN\"\n \"http://www.w3.org/svg11.dtd\">\n<svg viewBox='0 0 9 9'><circle cx='1' r='1'/></svg>";
+    assert_eq!(opened(graphviz).pattern.len(), 1);
+}
+
+#[test]
+fn svg_classes_radii_and_domain() {
+    let reading = opened(drawing(
+        "viewBox='0 0 100 50'",
+        "<g fill='Red'><circle cx='10' cy='10' r='2'/><circle cx='90' cy='40' r='3' style='fill: #00F !important'/>\
+         <circle cx='50' cy='40' r='2' fill='inherit'/></g><circle cx='5' cy='45' r='2' fill='none' stroke='rgb(0, 0,255)'/>",
+    ));
+    let pattern = &reading.pattern;
+    assert_eq!(class_of(pattern), ["#ff0000", "#0000ff", "#ff0000", "#0000ff"]);
+    assert_eq!(pattern.attributes(), [Attribute { name: "radius".to_owned(), values: vec![2.0, 3.0, 2.0, 2.0] }]);
+    assert_eq!((pattern.domain(), reading.is_domain_declared), (domain(0.0, 0.0, 100.0, 50.0), false));
+    // A transform scales radii by the root of its determinant.
+    let flat = opened(drawing(
+        "",
+        "<g transform='scale(4, 1)'><circle cx='1' cy='1' r='1'/></g><circle cx='1' cy='9' r='1'/>",
+    ))
+    .pattern;
+    assert_eq!(flat.attributes()[0].values, [2.0, 1.0]);
+    // Circles in the corner of a sheet: the sheet is not their domain.
+    let corner = opened(drawing(
+        "width='210mm' height='297mm'",
+        "<circle cx='2' cy='2' r='1'/><circle cx='6' cy='2' r='1'/><circle cx='4' cy='6' r='1'/>",
+    ))
+    .pattern;
+    assert!(corner.domain().size().max_element() < 20.0, "{:?}", corner.domain());
+    assert_eq!((corner.class_names(), corner.attributes().len()), (&["points".to_owned()][..], 0), "all alike");
+}
+
+#[test]
+fn svg_that_is_refused() {
+    refused("<svg>\n <circle cx='a' r='1'/></svg>", &["line 2, column 2", "cx is \"a\""]);
+    refused("<svg>\n <g transform='spin(3)'/></svg>", &["line 2, column 2", "spin(3)"]);
+    refused("<svg>\n <circle></svg>", &["line 2", "circle"]);
+    refused("<svg><rect/><path/></svg>", &["no circles or ellipses, but 2 other shapes"]);
+    refused("<!DOCTYPE svg [<!ENTITY a 'b'>]><svg>&a;</svg>", &["line 1", "DTD"]);
+    refused("<x><svg/></x>", &["<x>, not <svg>"]);
+    let deep = format!("<svg>{}<circle r='1'/>{}</svg>", "<g>".repeat(100), "</g>".repeat(100));
+    refused(&deep, &["more than 64 deep"]);
+    // A thousand ways to show a thousand circles, each a thousand times.
+    let mut bomb = String::from("<svg><g id='a0'><circle r='1'/></g>");
+    for level in 1..12 {
+        let uses = format!("<use href='#a{}'/>", level - 1).repeat(10);
+        bomb.push_str(&format!("<g id='a{level}'>{uses}</g>"));
+    }
+    refused(&(bomb + "</svg>"), &["more than"]);
+    refused("<svg><g id='a'><use href='#a'/></g></svg>", &["more than 64 deep"]);
+    refused(
+        &format!("<svg><circle {} r='1'/></svg>", (0..600).map(|i| format!("a{i}=''")).collect::<Vec<_>>().join(" ")),
+        &["too many attributes"],
+    );
+    let names: String = (0..4000).map(|i| format!("<g xmlns:n{i}='u{i}'>")).collect();
+    refused(&format!("<svg>{names}"), &["too many namespaces"]);
+    refused(&format!("<svg><circle style='{}' r='1'/></svg>", "a".repeat(5000)), &["4000 bytes"]);
+}
+
+#[test]
+fn our_own_svg_reads_back() {
+    for seed in 0..20 {
+        let pattern = awkward(seed);
+        if pattern.class_names().len() > 1 && pattern.class_names().iter().any(|name| name.trim() != name) {
+            continue;
+        }
+        let reading = opened(write_svg(&pattern, &SvgStyle::default()));
+        assert_eq!((reading.pattern.domain(), reading.pattern.boundary()), (pattern.domain(), pattern.boundary()));
+        assert_eq!(reading.pattern.len(), pattern.len(), "{seed}");
+        // Pixels have three decimals.
+        let step = pattern.domain().exemplar_unit() / 800.0 * 2e-3;
+        for at in reading.pattern.positions() {
+            let near = pattern.positions().iter().any(|other| {
+                let offset = (*at - *other).abs();
+                let around = (pattern.domain().size() - offset).abs();
+                offset.min(if pattern.boundary() == Boundary::Periodic { around } else { offset }).max_element() <= step
+            });
+            assert!(near, "{at} in {seed}");
+        }
+    }
+    let colours = good("# domain 0 0 2 1\nx,y,class,radius\n0.5,0.5,b,0.1\n1.5,0.25,a,0.2\n");
+    let back = opened(write_svg(&colours, &SvgStyle::default())).pattern;
+    assert_eq!(class_of(&back), ["b", "a"]);
+    assert!((back.attributes()[0].values[1] - 0.2).abs() < 1e-5);
+}
+
+/// A `.npy` file around `data`.
+fn npy(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
+    let mut bytes = b"\x93NUMPY".to_vec();
+    bytes.extend([version, 0]);
+    match version {
+        1 => bytes.extend((header.len() as u16).to_le_bytes()),
+        _ => bytes.extend((header.len() as u32).to_le_bytes()),
+    }
+    bytes.extend(header.as_bytes());
+    bytes.extend(data);
+    bytes
+}
+
+#[test]
+fn numpy_arrays_of_every_kind() {
+    let header = |descr: &str, fortran: &str, shape: &str| {
+        format!("{{'descr': '{descr}', 'fortran_order': {fortran}, 'shape': {shape}, }}\n")
+    };
+    let doubles: Vec<u8> = [0.1, 0.2, 0.3, 0.4].iter().flat_map(|value: &f64| value.to_le_bytes()).collect();
+    for version in 1..=3 {
+        let read = opened(npy(version, &header("<f8", "False", "(2, 2)"), &doubles));
+        assert_eq!((read.format, xy(&read.pattern)), (FileFormat::Npy, vec![(0.1, 0.2), (0.3, 0.4)]));
+    }
+    assert_eq!(xy(&opened(npy(1, &header("<f8", "True", "(2, 2)"), &doubles)).pattern), [(0.1, 0.3), (0.2, 0.4)]);
+    let floats: Vec<u8> = [0.5_f32, 0.25].iter().flat_map(|value| value.to_be_bytes()).collect();
+    assert_eq!(xy(&opened(npy(1, &header(">f4", "False", "(1, 2)"), &floats)).pattern), [(0.5, 0.25)]);
+    let whole = |descr: &str, data: &[u8]| xy(&opened(npy(1, &header(descr, "False", "(2, 2)"), data)).pattern);
+    assert_eq!(whole("|i1", &[255, 2, 3, 4]), [(-1.0, 2.0), (3.0, 4.0)]);
+    assert_eq!(whole("|u1", &[255, 2, 3, 4]), [(255.0, 2.0), (3.0, 4.0)]);
+    assert_eq!(whole(">i2", &[255, 254, 0, 2, 0, 3, 0, 4]), [(-2.0, 2.0), (3.0, 4.0)]);
+    assert_eq!(whole("<u4", &[0, 0, 0, 128, 2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0])[0], (2_147_483_648.0, 2.0));
+    // The third column by the rule of text: whole numbers are classes, others an attribute.
+    let columns = opened(npy(1, &header("|u1", "False", "(2, 4)"), &[1, 2, 7, 9, 3, 5, 8, 6])).pattern;
+    assert_eq!((class_of(&columns), columns.attributes()[0].values.clone()), (vec!["7", "8"], vec![9.0, 6.0]));
+
+    let words = |bytes: &[u8]| open(bytes, None, &ReadOptions::default()).unwrap_err().to_string();
+    for (bytes, part) in [
+        (b"\x93NUMPY".to_vec(), "ends within its header"),
+        (npy(1, "", &[])[..9].to_vec(), "ends within its header"),
+        (npy(9, &header("<f8", "False", "(2, 2)"), &doubles), "version is 9"),
+        (npy(1, "{}", &[]), "no 'descr'"),
+        (npy(1, &header("<c16", "False", "(2, 2)"), &doubles), "\"<c16\""),
+        (npy(1, &header("|O", "False", "(2, 2)"), &doubles), "\"|O\""),
+        (npy(1, "{'descr': [('x', '<f8')], 'fortran_order': False, 'shape': (2,), }", &doubles), "named fields"),
+        (npy(1, &header("<f8", "False", "(4,)"), &doubles), "shape is (4)"),
+        (npy(1, &header("<f8", "False", "(4, 1)"), &doubles), "1 columns"),
+        (npy(1, &header("<f8", "False", "(2, 3)"), &doubles), "do not take 32 bytes"),
+        (npy(1, &header("<f8", "False", "(18446744073709551615, 2)"), &doubles), "at most 20000"),
+        (npy(1, &header("<f8", "False", "(0, 2)"), &[]), "no points"),
+        (npy(1, &header("<f8", "False", "(1, 2)"), &[255; 16]), "point 1 of the list, value 1"),
+        (npy(2, "", &[])[..8].iter().copied().chain([255; 4]).collect(), "at most 10000"),
+    ] {
+        assert!(words(&bytes).contains(part), "{} without {part:?}", words(&bytes));
+    }
+}
+
+#[test]
+fn our_own_arrays_read_back() {
+    for seed in 0..20 {
+        let pattern = awkward(seed);
+        let options = ReadOptions { domain: Some(pattern.domain()), boundary: Some(pattern.boundary()) };
+        let bytes = write_npy(&pattern);
+        assert_eq!(bytes.iter().position(|&byte| byte == b'\n').map(|end| (end + 1) % 64), Some(0));
+        let back = read(&bytes, None, &options).unwrap();
+        assert_eq!(back.positions(), pattern.positions());
+        let classes = usize::from(pattern.class_names().len() > 1);
+        assert_eq!(
+            back.attributes().len() + usize::from(back.class_names().len() > 1 || classes == 1),
+            pattern.attributes().len() + classes
+        );
+    }
+}
+
+#[test]
+fn cells_go_to_a_spreadsheet_and_back() {
+    let pattern = good("# domain 0 0 1 1\nx,y,class,radius\n0.5,0.25,a b,3\n0.1,0.2,c,4\n");
+    let cells = write_tsv(&pattern);
+    assert_eq!(cells, "x\ty\tclass\tradius\n0.5\t0.25\t\"a b\"\t3\n0.1\t0.2\tc\t4\n");
+    assert_eq!(good(&cells), pattern);
+}
+
+#[test]
+fn dark_blobs_of_a_png_become_points() {
+    let style = PngStyle { size_px: 400, look: Look { frame: None, margin: 0.0, ..Look::default() } };
+    let pattern = good("# domain 0 0 4 4\nx,y,radius\n1,1,0.25\n3,2,0.5\n1,3,0.25\n");
+    let reading = opened(write_png(&pattern, &style).unwrap());
+    assert_eq!((reading.format, reading.pattern.domain()), (FileFormat::Picture, domain(0.0, 0.0, 400.0, 400.0)));
+    let mut found: Vec<_> = reading.pattern.positions().iter().map(|at| (at.x.round(), at.y.round())).collect();
+    found.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    assert_eq!(found, [(100.0, 100.0), (100.0, 300.0), (300.0, 200.0)]);
+    let mut radii = reading.pattern.attributes()[0].values.clone();
+    radii.sort_by(f64::total_cmp);
+    assert!((radii[0] - 25.0).abs() < 1.0 && (radii[2] - 50.0).abs() < 1.0, "{radii:?}");
 }
 
 /// Patterns with everything that could get lost: digits, odd names, unused classes, reserved attribute names.
@@ -313,7 +625,9 @@ fn awkward(seed: u64) -> PointPattern {
     let start = rng.index(ATTRIBUTES.len());
     for i in 0..rng.index(5) {
         let name = ATTRIBUTES[(start + i) % ATTRIBUTES.len()].to_owned();
-        let values = (0..count).map(|_| rng.normal() * 10_f64.powf(rng.range(-300.0, 300.0))).collect();
+        let values = (0..count).map(|_| rng.normal() * 10_f64.powf(rng.range(-300.0, 300.0)));
+        // A size has no sign.
+        let values = values.map(|value| if name == "radius" { value.abs() } else { value }).collect();
         pattern = pattern.with_attribute(Attribute { name, values }).unwrap();
     }
     pattern

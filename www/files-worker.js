@@ -24,8 +24,7 @@ const refusal = (message) => ({ type: 'error', message, place: null });
 function findBlobs(options) {
   if (!picture) return refusal('no picture has been read yet');
   const { width, height, data } = picture.image;
-  // The module takes plain bytes only.
-  const pixels = new Uint8Array(data.buffer);
+  const pixels = new Uint8Array(data.buffer, data.byteOffset, data.byteLength);
   return { ...answer({ type: 'blobs', width, height, pixels, options }), width, height };
 }
 

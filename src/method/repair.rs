@@ -14,7 +14,7 @@ use crate::domain::Boundary;
 /// Points stand in each other's way below this share of the exemplar's smallest distance.
 const CROWDED: f64 = 0.85;
 /// A hole is one when it is larger than the exemplar's largest by this factor.
-const HOLE: f64 = 1.15;
+pub(super) const HOLE: f64 = 1.15;
 /// Distances are only kept up to this relative radius (Lagae & Dutré 2008): beyond, points would jam long before a
 /// lattice is found.
 const WIDEST: f64 = 0.76;

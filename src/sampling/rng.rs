@@ -26,6 +26,13 @@ pub enum Purpose {
     Gallery,
     /// One of the random patterns that statistics are compared with.
     Analysis(u32),
+    /// The shaking before another try at the worst regions of a class.
+    Restart {
+        /// Class, from 0.
+        class: u16,
+        /// Which try, from 0.
+        restart: u32,
+    },
 }
 
 impl Purpose {
@@ -36,6 +43,7 @@ impl Purpose {
             Self::Start(class) => (3 << 56) | u64::from(class),
             Self::Attributes(class) => (4 << 56) | u64::from(class),
             Self::Analysis(pattern) => (6 << 56) | u64::from(pattern),
+            Self::Restart { class, restart } => (7 << 56) | (u64::from(class) << 32) | u64::from(restart),
             Self::Jitter { class, scale, iteration } => {
                 (5 << 56) | (u64::from(class & 0xff) << 48) | (u64::from(scale) << 32) | u64::from(iteration)
             }

@@ -23,6 +23,13 @@ assert.ok(existsSync(PACKAGE), `there is no built module in ${PACKAGE}: run \`ca
 const module = await import(pathToFileURL(join(PACKAGE, 'pointweave.js')).href);
 module.initSync({ module: readFileSync(join(PACKAGE, 'pointweave_bg.wasm')) });
 
+/** @type {typeof import('/pkg/pointweave_files.js')} */
+const files = await import(pathToFileURL(join(PACKAGE, 'pointweave_files.js')).href);
+files.initSync({ module: readFileSync(join(PACKAGE, 'pointweave_files_bg.wasm')) });
+
+/** What the worker for files asks of its module; see `www/app/files-messages.js`. */
+export const answer = files.answer;
+
 /** What a worker holds, driven without a worker. */
 export class Session {
   #session = new module.WorkerSession();

@@ -17,7 +17,7 @@
 
 // What the page asks.
 /** @typedef {{ type: 'read', name: string, bytes: Uint8Array, options: ReadOptions }} ReadRequest */
-/** @typedef {{ type: 'blobs', width: number, height: number, pixels: Uint8Array | Uint8ClampedArray, options: BlobOptions }} BlobsRequest */
+/** @typedef {{ type: 'blobs', width: number, height: number, pixels: Uint8Array, options: BlobOptions }} BlobsRequest */
 /** @typedef {{ type: 'write', format: FileFormat, pattern: PatternData, title: string, tile: boolean }} WriteRequest */
 /**
  * @typedef {{ type: 'write-project', title: string, preset: string, overrides: Parameters, exemplar: PatternData,

@@ -21,6 +21,8 @@ pub(crate) enum Format {
     Svg,
     /// A picture of pixels.
     Png,
+    /// A NumPy array of doubles: x, y, the class's number where there are several, attributes.
+    Npy,
 }
 
 /// Where a pattern goes, settled before any work is done.
@@ -43,13 +45,13 @@ impl Output {
             (None, None) => Format::Csv,
             (None, Some(path)) => {
                 return Err(Failure::Usage(format!(
-                    "'{}' does not end in .csv, .json, .svg or .png; name it so or add --format",
+                    "'{}' does not end in .csv, .json, .svg, .png or .npy; name it so or add --format",
                     path.display()
                 )));
             }
         };
-        if format == Format::Png && path.is_none() && io::stdout().is_terminal() {
-            return Err(Failure::Usage("a PNG does not belong on a terminal; add -o FILE.png".to_owned()));
+        if matches!(format, Format::Png | Format::Npy) && path.is_none() && io::stdout().is_terminal() {
+            return Err(Failure::Usage("such bytes do not belong on a terminal; add -o FILE".to_owned()));
         }
         if let Some(path) = path {
             check_writable(path)?;
@@ -67,6 +69,7 @@ impl Output {
         let bytes = match self.format {
             Format::Csv => formats::write_csv(pattern).into_bytes(),
             Format::Json => formats::write_json(pattern).into_bytes(),
+            Format::Npy => formats::write_npy(pattern),
             Format::Svg => {
                 let style = SvgStyle { title: title.to_owned(), ..SvgStyle::default() };
                 formats::write_svg(pattern, &style).into_bytes()

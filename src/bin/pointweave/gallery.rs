@@ -21,7 +21,7 @@ Examples:
 pub(crate) struct GalleryArguments {
     /// Which exemplar to write
     name: Option<String>,
-    /// Where to write it: .csv, .json, .svg, .png, or - for standard output
+    /// Where to write it: .csv, .json, .svg, .png, .npy, or - for standard output
     #[arg(short, long, value_name = "FILE", requires = "name")]
     output: Option<PathBuf>,
     /// What to write, whatever the file is called

@@ -6,6 +6,7 @@ mod device;
 mod failure;
 mod files;
 mod gallery;
+mod link;
 mod memory;
 mod settings;
 mod synth;
@@ -30,6 +31,7 @@ enum Command {
     Synth(Box<synth::SynthArguments>),
     Analyze(analyze::AnalyzeArguments),
     Gallery(gallery::GalleryArguments),
+    Link(link::LinkArguments),
     Bench(bench::BenchArguments),
     Devices(device::DevicesArguments),
 }
@@ -40,6 +42,7 @@ Examples:
   pointweave synth gallery:rings -o rings.svg          twice as wide and high, as a picture
   pointweave synth trees.csv -o forest.csv --scale 3   your own points
   pointweave analyze trees.csv forest.csv              how good is it? in numbers and words
+  pointweave link encode trees.csv                     the exemplar and its parameters as a link
   pointweave bench --threads 2                         seconds per iteration, by stage
   pointweave devices                                   which GPUs there are, and whether they compute correctly
   pointweave help synth                                everything about synth
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
         Command::Synth(arguments) => synth::run(*arguments),
         Command::Analyze(arguments) => analyze::run(&arguments),
         Command::Gallery(arguments) => gallery::run(&arguments),
+        Command::Link(arguments) => link::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Devices(arguments) => device::run(&arguments),
     };

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use pointweave::Domain;
-use pointweave::formats::ReadOptions;
+use pointweave::formats::{self, Project, ReadOptions};
 use pointweave::method::{Parameters, Preset};
 use pointweave::synthesis::{Event, Synthesis, SynthesisError, SynthesisState};
 
@@ -24,7 +24,7 @@ const MAX_STATE_BYTES: u64 = 200_000_000;
 ///
 /// IN is a file, - for standard input, or gallery:NAME for a built-in exemplar. What can be read: CSV (also with tabs
 /// or semicolons), columns separated by blanks, and JSON; columns x, y, class and any further numbers, with or
-/// without a header. The domain is what --domain says, else what the file declares in a line
+/// without a header; GeoJSON points, the circles of an SVG, NumPy arrays, and the dark blobs of a PNG. The domain is what --domain says, else what the file declares in a line
 /// '# domain x0 y0 x1 y1 periodic', else the unit square when all points lie in it, else the points' bounding box and
 /// half a mean spacing around it.
 ///
@@ -35,7 +35,7 @@ pub(crate) struct SynthArguments {
     /// The exemplar: a file, - or gallery:NAME
     #[arg(value_name = "IN", required_unless_present = "resume")]
     input: Option<PathBuf>,
-    /// Where to write the result: .csv, .json, .svg, .png, or - for standard output [default: -]
+    /// Where to write the result: .csv, .json, .svg, .png, .npy, or - for standard output [default: -]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// What to write, whatever the file is called [default: csv on standard output]
@@ -82,7 +82,7 @@ pub(crate) struct SynthArguments {
     /// Write everything needed to continue later, at the end or where --max-iterations stops
     #[arg(long, value_name = "FILE")]
     save_state: Option<PathBuf>,
-    /// Continue a saved run, exemplar and parameters included
+    /// Continue a saved run or the playground's project, exemplar and parameters included
     #[arg(long, value_name = "FILE", conflicts_with_all =
         ["input", "scale", "preset", "seed", "boundary", "domain", "exemplar_boundary", "settings"])]
     resume: Option<PathBuf>,
@@ -189,8 +189,16 @@ fn read_state(path: &Path) -> Result<SynthesisState, Failure> {
     if bytes.len() as u64 > MAX_STATE_BYTES {
         return Err(Failure::Run(format!("'{}' has more than {MAX_STATE_BYTES} bytes", path.display())));
     }
-    serde_json::from_slice(&bytes)
-        .map_err(|error| Failure::Run(format!("'{}' is not a saved state: {error}", path.display())))
+    serde_json::from_slice(&bytes).or_else(|error| {
+        // A project holds the state beside other things.
+        let project = formats::open(&bytes, None, &ReadOptions::default()).ok().and_then(|reading| reading.project);
+        let outcome = match project {
+            None => Err(error.to_string()),
+            Some(Project { state: None, .. }) => Err("the project holds no run".to_owned()),
+            Some(Project { state: Some(state), .. }) => serde_json::from_str(&state).map_err(|error| error.to_string()),
+        };
+        outcome.map_err(|error| Failure::Run(format!("'{}' is not a saved state: {error}", path.display())))
+    })
 }
 
 /// Drives the run to its end, or to the most iterations asked for.
@@ -218,7 +226,8 @@ fn advance(synthesis: &mut Synthesis, arguments: &SynthArguments, bar: &Progress
             Event::Iterated { progress, loss } => {
                 bar.set_position((progress.done * PROGRESS_STEPS) as u64);
                 let class = if progress.classes > 1 {
-                    format!("class {}/{}, ", progress.class + 1, progress.classes)
+                    let name = &synthesis.exemplar().class_names()[progress.class];
+                    format!("class {}/{} ({name}), ", progress.turn + 1, progress.classes)
                 } else {
                     String::new()
                 };

@@ -1,0 +1,136 @@
+//! `pointweave link`: share links, written and read.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use pointweave::Domain;
+use pointweave::formats::ReadOptions;
+use pointweave::formats::link::{Link, LinkExemplar, read_link, write_link};
+use pointweave::method::{Cost, Parameters, Preset};
+
+use crate::failure::Failure;
+use crate::files::{self, Format, Output};
+use crate::settings::{self, BoundaryArgument, PresetArgument};
+
+/// Write and read share links.
+///
+/// A link carries an exemplar and the parameters of a run in the fragment of an address, behind the #: the playground
+/// opens it, and no server ever sees it.
+#[derive(Debug, Args)]
+#[command(after_long_help = "\
+Examples:
+  pointweave link encode gallery:rings --seed 7
+  pointweave link encode trees.csv --preset balanced --scale 3x2
+  pointweave link decode 'v=1&preset=fast&seed=7&exemplar=rings' > rings.csv")]
+pub(crate) struct LinkArguments {
+    #[command(subcommand)]
+    command: LinkCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum LinkCommand {
+    Encode(EncodeArguments),
+    Decode(DecodeArguments),
+}
+
+/// Print the link of an exemplar and its parameters.
+///
+/// Points are rounded to 65535ths of the domain; attributes with more than 16 different values to 4095ths of their range.
+#[derive(Debug, Args)]
+struct EncodeArguments {
+    /// The exemplar: a file, - for standard input, or gallery:NAME
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// What the parameters start from
+    #[arg(long, value_enum, default_value = "fast")]
+    preset: PresetArgument,
+    /// Size of the result in sizes of the exemplar
+    #[arg(long, value_name = "N|WxH", value_parser = settings::parse_scale)]
+    scale: Option<[f64; 2]>,
+    /// Same seed, same result
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Change any parameter, as in synth
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = settings::parse_setting)]
+    settings: Vec<(String, String)>,
+    /// The rectangle the exemplar's points were cut from
+    #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = settings::parse_domain)]
+    domain: Option<Domain>,
+    /// What lies beyond the border of the exemplar
+    #[arg(long, value_enum)]
+    exemplar_boundary: Option<BoundaryArgument>,
+    /// What to put in front, as in https://example.org/
+    #[arg(long, value_name = "ADDRESS", default_value = "")]
+    base: String,
+}
+
+/// Write a link's exemplar; what else the link says goes to standard error.
+#[derive(Debug, Args)]
+struct DecodeArguments {
+    /// The link, or what stands behind its #
+    link: String,
+    /// Where to write the exemplar: .csv, .json, .svg, .png, .npy, or - for standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// What to write, whatever the file is called
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+}
+
+/// Writes or reads.
+pub(crate) fn run(arguments: &LinkArguments) -> Result<(), Failure> {
+    match &arguments.command {
+        LinkCommand::Encode(arguments) => encode(arguments),
+        LinkCommand::Decode(arguments) => decode(arguments),
+    }
+}
+
+fn encode(arguments: &EncodeArguments) -> Result<(), Failure> {
+    let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
+    let pattern = files::read_pattern(&arguments.input, &options)?;
+    let preset = Preset::from(arguments.preset);
+    let mut parameters = Parameters::suited_to(preset, &pattern);
+    if let Some([width, height]) = arguments.scale {
+        (parameters.expansion_x, parameters.expansion_y) = (width, height);
+    }
+    parameters.seed = arguments.seed.unwrap_or(parameters.seed);
+    let parameters = settings::apply(parameters, &arguments.settings)?;
+    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+
+    let name = arguments.input.to_str().and_then(|text| text.strip_prefix("gallery:"));
+    let exemplar = match name {
+        Some(name) if options == ReadOptions::default() => LinkExemplar::named(name).map_err(failed)?,
+        _ => LinkExemplar::Points(pattern),
+    };
+    let overrides = match serde_json::to_value(&parameters) {
+        Ok(serde_json::Value::Object(fields)) => fields,
+        _ => return Err(Failure::Run("the parameters can't be written".to_owned())),
+    };
+    let (fragment, _) = write_link(&Link { exemplar, preset, overrides, notes: Vec::new() }).map_err(failed)?;
+    files::write_stdout(format!("{}#{fragment}\n", arguments.base.trim_end_matches('#')).as_bytes())
+}
+
+fn decode(arguments: &DecodeArguments) -> Result<(), Failure> {
+    let output = Output::new(arguments.output.as_deref(), arguments.format, 1024)?;
+    let fragment = arguments.link.split_once('#').map_or(arguments.link.as_str(), |(_, fragment)| fragment);
+    let link = read_link(fragment.trim()).map_err(failed)?;
+    let parameters = link.parameters().map_err(failed)?;
+    let Some(pattern) = link.exemplar.pattern() else {
+        return Err(Failure::Run("the link's exemplar is not in the gallery".to_owned()));
+    };
+    for note in &link.notes {
+        eprintln!("{note}");
+    }
+    eprintln!("preset {}", link.preset.name());
+    for (name, value) in &link.overrides {
+        eprintln!("{name} {value}");
+    }
+    if let Some(cost) = Cost::of(&pattern, &parameters) {
+        eprintln!("{} points in, {} out, at most {} iterations", pattern.len(), cost.points, cost.iterations);
+    }
+    output.write(&pattern, &format!("{} points of a link", pattern.len()))
+}
+
+fn failed(error: pointweave::formats::link::LinkError) -> Failure {
+    Failure::Run(error.to_string())
+}

@@ -1,0 +1,131 @@
+//! One function a decoder, for fuzzers: takes any bytes, and fails on a panic or when what was read does not come back
+//! from what is written of it.
+#![allow(dead_code, unreachable_pub, reason = "each fuzzer includes this file and uses its own part")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a fuzzer looks for panics")]
+
+use pointweave::PatternError;
+use pointweave::formats::link::{Link, LinkExemplar, read_link, write_link};
+use pointweave::formats::{
+    BlobOptions, FormatError, Ink, Picture, Preview, ReadOptions, Reading, SvgStyle, find_blobs, open, write_csv,
+    write_json, write_npy, write_svg,
+};
+
+/// Reads, and looks at everything there is to see of the result.
+fn look(bytes: &[u8], name: &str) -> Option<Reading> {
+    match open(bytes, Some(name), &ReadOptions::default()) {
+        Ok(reading) => {
+            let preview = Preview::of(&reading);
+            assert_eq!(preview.points, reading.pattern.len());
+            Some(reading)
+        }
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            if let Some((line, column)) = error.position() {
+                assert!(line > 0 && column != Some(0), "{error}");
+            }
+            None
+        }
+    }
+}
+
+/// CSV, TSV, text in columns and the reference implementation's; whatever begins like something else is that.
+pub fn text(bytes: &[u8]) {
+    if let Some(reading) = look(bytes, "a.csv") {
+        let again = open(write_csv(&reading.pattern).as_bytes(), None, &ReadOptions::default()).expect("our own CSV");
+        assert_eq!(again.pattern, reading.pattern);
+    }
+}
+
+/// Patterns, lists of points, projects and GeoJSON.
+pub fn json(bytes: &[u8]) {
+    if let Some(reading) = look(bytes, "a.json") {
+        let again = open(write_json(&reading.pattern).as_bytes(), None, &ReadOptions::default()).expect("our own JSON");
+        assert_eq!(again.pattern, reading.pattern);
+    }
+}
+
+/// SVG. What is written of a drawing shows the same points, but for rounding.
+pub fn svg(bytes: &[u8]) {
+    if let Some(reading) = look(bytes, "a.svg") {
+        let svg = write_svg(&reading.pattern, &SvgStyle::default());
+        let again = open(svg.as_bytes(), None, &ReadOptions::default()).expect("our own SVG");
+        assert_eq!(again.pattern.domain(), reading.pattern.domain());
+    }
+}
+
+/// NumPy arrays.
+pub fn npy(bytes: &[u8]) {
+    // Most of what a fuzzer tries should get beyond the first bytes.
+    let bytes = if bytes.starts_with(b"\x93NUMPY") { bytes.to_vec() } else { [b"\x93NUMPY", bytes].concat() };
+    if let Some(reading) = look(&bytes, "a.npy") {
+        let again = open(&write_npy(&reading.pattern), None, &ReadOptions::default()).expect("our own array");
+        assert_eq!(again.pattern.positions(), reading.pattern.positions());
+    }
+}
+
+/// PNG and whatever else is told by its first bytes.
+pub fn png(bytes: &[u8]) {
+    look(bytes, "a.png");
+}
+
+/// Pixels as a browser decodes them: width, threshold, kind of ink, smallest and largest area, then brightness.
+pub fn pixels(bytes: &[u8]) {
+    let [width, threshold, ink, min_area, max_area, pixels @ ..] = bytes else { return };
+    let width = usize::from(*width).max(1);
+    let height = pixels.len() / width;
+    let rgba: Vec<u8> = pixels[..width * height].iter().flat_map(|&gray| [gray, gray, gray, 255 - gray / 16]).collect();
+    let options = BlobOptions {
+        threshold: (threshold % 2 == 0).then_some(*threshold),
+        ink: [Ink::Auto, Ink::Dark, Ink::Light][usize::from(ink % 3)],
+        min_area: (min_area % 2 == 0).then(|| f64::from(*min_area)),
+        max_area: (max_area % 2 == 0).then(|| f64::from(*max_area)),
+    };
+    let found = Picture::new(width, height, rgba).and_then(|it| find_blobs(&it, &options, &ReadOptions::default()));
+    match found {
+        Ok(blobs) => {
+            let radii = &blobs.reading.pattern.attributes()[0].values;
+            let area: f64 = radii.iter().map(|radius| radius * radius * std::f64::consts::PI).sum();
+            assert!(area <= (width * height) as f64 + 0.5, "blobs of {area} pixels in {width} × {height}");
+        }
+        Err(FormatError::Pixels { reason }) => assert!(!reason.is_empty()),
+        // Too narrow for a pattern.
+        Err(FormatError::Pattern(PatternError::Domain { .. })) => assert!(64 * width.min(height) < width.max(height)),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+/// Share links: the bytes as a fragment, and as the points of one.
+pub fn link(bytes: &[u8]) {
+    if let Ok(fragment) = std::str::from_utf8(bytes) {
+        fragment_of(fragment);
+    }
+    if bytes.len() < 20_000 {
+        let deflated = miniz_oxide::deflate::compress_to_vec(bytes, 0);
+        fragment_of(&format!("v=1&points={}", base64url(&deflated)));
+    }
+}
+
+fn fragment_of(fragment: &str) {
+    let Ok(link) = read_link(fragment) else { return };
+    link.parameters().expect("parameters").validate().expect("parameters in their ranges");
+    if let LinkExemplar::Points(pattern) = &link.exemplar {
+        assert!(pattern.len() <= pointweave::pattern::MAX_POINTS);
+    }
+    // Whatever was read makes a link that is read as the same.
+    if let Ok((again, exemplar)) = write_link(&link) {
+        let second = read_link(&again).expect("our own link");
+        assert_eq!(second.exemplar, exemplar);
+        assert_eq!(second.parameters(), Link { exemplar, ..link }.parameters());
+    }
+}
+
+/// RFC 4648, without padding.
+pub fn base64url(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+    let mut text = String::new();
+    for three in bytes.chunks(3) {
+        let bits = three.iter().enumerate().fold(0_u32, |bits, (i, &byte)| bits | u32::from(byte) << (16 - 8 * i));
+        (0..=three.len()).for_each(|i| text.push(char::from(LETTERS[(bits >> (18 - 6 * i)) as usize & 63])));
+    }
+    text
+}
