@@ -54,11 +54,11 @@ export async function fetchBytes(url, most, signal) {
     if (signal.aborted) throw error;
     throw new NotFetched(
       url.origin === location.origin
-        ? `${url.href} can't be reached`
-        : `${url.host} can't be reached, or does not let other pages read its files; download the file and drop it here instead`,
+        ? `the address ${url.href} can't be reached`
+        : `the site ${url.host} can't be reached, or does not let other pages read its files; download the file and drop it here instead`,
     );
   }
-  if (!response.ok) throw new NotFetched(`${url.host} answers ${response.status}${response.statusText ? ` (${response.statusText})` : ''}`);
+  if (!response.ok) throw new NotFetched(`the site ${url.host} answers ${response.status}${response.statusText ? ` (${response.statusText})` : ''}`);
   const tooLarge = () => new NotFetched(`the file at ${url.host} has more than ${Math.round(most / 1e6)} MB; at most that many are read`);
   if (Number(response.headers.get('content-length')) > most) {
     // Nobody waits for the rest, also not for its end.
@@ -81,7 +81,7 @@ export async function fetchBytes(url, most, signal) {
     }
   } catch (error) {
     if (error instanceof NotFetched || signal.aborted) throw error;
-    throw new NotFetched(`${url.host} broke off in the middle of the file`);
+    throw new NotFetched(`the site ${url.host} broke off in the middle of the file`);
   }
   const bytes = new Uint8Array(length);
   let offset = 0;
