@@ -9,7 +9,7 @@ use clap::Args;
 use flate2::{Compression, write::GzEncoder};
 use wasm_bindgen_cli_support::Bindgen;
 
-use crate::{process, requirements};
+use crate::{offline, process, requirements};
 
 /// One of the page's modules of WebAssembly. Both are made of the same crate.
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +74,7 @@ pub(crate) fn build(arguments: &BuildArguments) -> Result<PathBuf> {
             shrink(&module.path(&package))?;
         }
     }
+    offline::stamp(&staging)?;
     let dist = dist();
     remove(&dist)?;
     fs::rename(&staging, &dist)
