@@ -16,7 +16,7 @@ use clap::Parser;
 use font8x8::{BASIC_FONTS, UnicodeFonts};
 use pointweave::analysis::{Comparison, Defects, MarkError, Quality};
 use pointweave::formats::style::Look;
-use pointweave::formats::{draw, encode_png};
+use pointweave::formats::{draw, encode_png, write_csv};
 use pointweave::gallery::{self, Entry};
 use pointweave::method::{Parameters, Preset};
 use pointweave::synthesis::{Event, Synthesis};
@@ -46,7 +46,7 @@ struct Arguments {
     /// Make everything anew, whatever lies in the folder.
     #[arg(long)]
     fresh: bool,
-    /// fast, balanced, paper: several with commas.
+    /// fast, balanced, best, paper: several with commas.
     #[arg(long, value_delimiter = ',', default_values = ["fast", "balanced", "paper"], value_parser = Preset::from_name)]
     presets: Vec<Preset>,
     /// Seeds of the runs, with commas.
@@ -89,6 +89,9 @@ struct Outcome {
     points: usize,
     iterations: u64,
     seconds: f64,
+    /// Seconds of processor time, which other programs on the machine don't lengthen; only Linux tells.
+    #[serde(default)]
+    processor_seconds: Option<f64>,
     loss: f64,
     quality: Quality,
     defects: Defects,
@@ -231,7 +234,7 @@ fn parameters(job: &Job, arguments: &Arguments) -> Result<Parameters> {
 /// Synthesises, judges, and writes both down.
 fn run(job: &Job, arguments: &Arguments) -> Result<Outcome> {
     let exemplar = job.entry.exemplar();
-    let start = Instant::now();
+    let (start, processor_start) = (Instant::now(), processor_seconds(arguments.jobs > 1));
     let mut synthesis = Synthesis::new(exemplar.clone(), parameters(job, arguments)?, MEMORY_LIMIT)?;
     let (mut iterations, mut loss) = (0, f64::NAN);
     loop {
@@ -247,6 +250,7 @@ fn run(job: &Job, arguments: &Arguments) -> Result<Outcome> {
         }
     }
     let seconds = start.elapsed().as_secs_f64();
+    let processor_seconds = processor_seconds(arguments.jobs > 1).zip(processor_start).map(|(end, start)| end - start);
     let output = synthesis.output()?;
     let comparison = Comparison::of(&exemplar, &output, job.seed)?;
     let outcome = Outcome {
@@ -257,6 +261,7 @@ fn run(job: &Job, arguments: &Arguments) -> Result<Outcome> {
         points: output.len(),
         iterations,
         seconds,
+        processor_seconds,
         loss,
         quality: comparison.quality,
         defects: comparison.defects,
@@ -268,10 +273,24 @@ fn run(job: &Job, arguments: &Arguments) -> Result<Outcome> {
         marks: comparison.marks.as_ref().and_then(|marks| marks.marks),
     };
     write_picture(draw_pair(job.entry, &exemplar, &output, &outcome.words())?, &job.file.with_extension("png"))?;
+    let points = job.file.with_extension("csv");
+    fs::write(&points, write_csv(&output)).with_context(|| format!("{} can't be written", points.display()))?;
     // Last: a run without this file is done again.
     fs::write(&job.file, serde_json::to_vec_pretty(&outcome)?)
         .with_context(|| format!("{} can't be written", job.file.display()))?;
     Ok(outcome)
+}
+
+/// Processor time so far, of this thread or of all of the program.
+fn processor_seconds(thread_only: bool) -> Option<f64> {
+    // Nanoseconds come first.
+    let read = |file: PathBuf| fs::read_to_string(file).ok()?.split_whitespace().next()?.parse::<f64>().ok();
+    let nanoseconds = if thread_only {
+        read("/proc/thread-self/schedstat".into())?
+    } else {
+        fs::read_dir("/proc/self/task").ok()?.flatten().filter_map(|task| read(task.path().join("schedstat"))).sum()
+    };
+    Some(nanoseconds * 1e-9)
 }
 
 fn read_outcome(file: &Path) -> Result<Outcome> {
@@ -287,7 +306,7 @@ fn table(outcomes: &[Outcome]) -> String {
         by_entry.entry(&outcome.entry).or_default().push(outcome);
     }
     type Column = (&'static str, fn(&Outcome) -> f64);
-    let columns: [Column; 18] = [
+    let columns: [Column; 19] = [
         ("quality", |o| o.quality.score),
         ("pairs", |o| o.quality.pair_density),
         ("precision", |o| o.quality.precision),
@@ -306,6 +325,7 @@ fn table(outcomes: &[Outcome]) -> String {
         ("marks", |o| o.marks.map_or(f64::NAN, |one| one.error)),
         ("at random", |o| o.marks.map_or(f64::NAN, |one| one.random)),
         ("seconds", |o| o.seconds),
+        ("processor s", |o| o.processor_seconds.unwrap_or(f64::NAN)),
     ];
     let mut table = String::from("| exemplar | seeds |");
     for (name, _) in &columns {

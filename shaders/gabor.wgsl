@@ -3,6 +3,8 @@
 // A map at a pixel is a sum over the points near it of products of a row table and a column table. The points are
 // sorted into cells as large as a point's reach, so that a pixel asks the points of 3 × 3 cells only. Sorting is by
 // counting, in order: the sums are the same bits every time.
+//
+// The maps come in bands, in each of which every point has a weight.
 
 struct Frame {
     // Columns and rows of the sampling grid.
@@ -27,6 +29,11 @@ struct Frame {
     periodic: u32,
     // Numbers of jitter an iteration.
     jitter: u32,
+    bands: u32,
+    // Numbers of a pixel of the maps, padding included.
+    stored: u32,
+    // Whether the first band is the Gaussian alone.
+    lone: u32,
 }
 
 struct Progress {
@@ -52,10 +59,12 @@ struct Progress {
 @group(0) @binding(8) var<storage, read_write> cell_starts: array<u32>;
 // The points, cell by cell.
 @group(0) @binding(9) var<storage, read_write> order: array<u32>;
-// Two vectors a pixel; the last three numbers are 0.
-@group(0) @binding(10) var<storage, read_write> maps: array<vec4f>;
+// `stored` numbers a pixel, band by band; the padding is 0.
+@group(0) @binding(10) var<storage, read_write> maps: array<f32>;
 // Gradient of every moving point.
 @group(0) @binding(11) var<storage, read_write> gradients: array<vec2f>;
+// Of every point in every band.
+@group(0) @binding(12) var<storage, read> weights: array<f32>;
 
 const TAU = 6.283185307179586;
 
@@ -136,7 +145,12 @@ fn sort(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// One pixel of all maps.
+// The first map of a band: a band of the Gaussian alone has one map, all others have five.
+fn first_map(band: u32) -> u32 {
+    return 5u * band - select(0u, 4u, frame.lone == 1u && band > 0u);
+}
+
+// One pixel of the maps of one band.
 @compute @workgroup_size(8, 8)
 fn sum_maps(@builtin(global_invocation_id) id: vec3u) {
     if (id.x >= frame.grid.x || id.y >= frame.grid.y) {
@@ -168,13 +182,14 @@ fn sum_maps(@builtin(global_invocation_id) id: vec3u) {
             for (var i = cell_starts[cell]; i < end; i++) {
                 let point = order[i];
                 let offset = vec2i(id.xy) - starts[point];
-                if (!periodic && (offset.x < 0 || offset.y < 0)) {
+                let weight = weights[point * frame.bands + id.z];
+                if (weight == 0.0 || (!periodic && (offset.x < 0 || offset.y < 0))) {
                     continue;
                 }
                 // A window wider than a periodic domain meets a pixel more than once.
                 var row = select(u32(offset.y), modulo(offset.y, frame.grid.y), periodic);
                 while (row < frame.span.y) {
-                    let vertical = tables[point * all + row];
+                    let vertical = weight * tables[point * all + row];
                     var column = select(u32(offset.x), modulo(offset.x, frame.grid.x), periodic);
                     while (column < frame.span.x) {
                         let horizontal = tables[point * all + frame.span.y + column];
@@ -196,9 +211,20 @@ fn sum_maps(@builtin(global_invocation_id) id: vec3u) {
             }
         }
     }
-    let at = 2u * (id.y * frame.grid.x + id.x);
-    maps[at] = frame.scale * vec4f(plain, along_y, along_x, even - odd);
-    maps[at + 1u] = vec4f(frame.scale * (even + odd), 0.0, 0.0, 0.0);
+    let pixel = (id.y * frame.grid.x + id.x) * frame.stored;
+    let at = pixel + first_map(id.z);
+    maps[at] = frame.scale * plain;
+    if (id.z > 0u || frame.lone == 0u) {
+        maps[at + 1u] = frame.scale * along_y;
+        maps[at + 2u] = frame.scale * along_x;
+        maps[at + 3u] = frame.scale * (even - odd);
+        maps[at + 4u] = frame.scale * (even + odd);
+    }
+    if (id.z + 1u == frame.bands) {
+        for (var i = first_map(frame.bands); i < frame.stored; i++) {
+            maps[pixel + i] = 0.0;
+        }
+    }
 }
 
 const LANES_A_POINT = 64u;
@@ -217,10 +243,24 @@ fn gather_gradients(@builtin(workgroup_id) group: vec3u, @builtin(local_invocati
         let pixel = start + vec2i(place);
         let inside = all(pixel >= vec2i(0)) && all(pixel < vec2i(frame.grid));
         if (periodic || inside) {
-            let at = 2u * (modulo(pixel.y, frame.grid.y) * frame.grid.x + modulo(pixel.x, frame.grid.x));
-            let g = maps[at];
+            let at = (modulo(pixel.y, frame.grid.y) * frame.grid.x + modulo(pixel.x, frame.grid.x)) * frame.stored;
+            // The tables are those of all bands, so that the gradients of the bands add up first.
+            var g = vec4f(0.0);
+            var fifth = 0.0;
+            for (var band = 0u; band < frame.bands; band++) {
+                let weight = weights[point * frame.bands + band];
+                if (weight == 0.0) {
+                    continue;
+                }
+                let first = at + first_map(band);
+                if (band == 0u && frame.lone == 1u) {
+                    g.x += weight * maps[first];
+                } else {
+                    g += weight * vec4f(maps[first], maps[first + 1u], maps[first + 2u], maps[first + 3u]);
+                    fifth += weight * maps[first + 4u];
+                }
+            }
             // Maps 3 and 4 are even ∓ odd: their gradients meet the cosines as a sum, the sines as a difference.
-            let fifth = maps[at + 1u].x;
             let even = g.w + fifth;
             let odd = fifth - g.w;
             let y = tables[base + place.y];

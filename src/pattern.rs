@@ -56,6 +56,16 @@ pub enum PatternError {
         /// The offending value.
         value: f64,
     },
+    /// A size below 0.
+    #[error("point {index}: {name} is {value}, but a size must be 0 or more")]
+    Negative {
+        /// Which point, from 0.
+        index: usize,
+        /// The attribute's name.
+        name: String,
+        /// The offending value.
+        value: f64,
+    },
     /// A position lies outside the domain.
     #[error("point {index} at ({}, {}) lies outside the domain ({}, {}) – ({}, {})", at[0], at[1], min[0], min[1], max[0], max[1])]
     Outside {
@@ -98,6 +108,17 @@ pub enum PatternError {
     },
 }
 
+/// What an attribute's values mean, as far as its name says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// `radius` and `scale`: a size, 0 or more.
+    Size,
+    /// `orientation`: an angle in degrees, the same every 360.
+    Angle,
+    /// Anything else.
+    Other,
+}
+
 /// A named number that every point carries, in its own unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Attribute {
@@ -105,6 +126,35 @@ pub struct Attribute {
     pub name: String,
     /// One value a point.
     pub values: Vec<f64>,
+}
+
+impl Attribute {
+    /// What the values mean, by the name; upper and lower case are one.
+    #[must_use]
+    pub fn meaning(&self) -> Meaning {
+        let is = |name: &str| self.name.trim().eq_ignore_ascii_case(name);
+        if is("radius") || is("scale") {
+            Meaning::Size
+        } else if is("orientation") {
+            Meaning::Angle
+        } else {
+            Meaning::Other
+        }
+    }
+
+    /// The first value that the name does not allow, and whose point it is: a size below 0.
+    #[must_use]
+    pub fn misfit(&self) -> Option<(usize, f64)> {
+        let sized = self.meaning() == Meaning::Size;
+        self.values.iter().copied().enumerate().find(|&(_, value)| sized && value < 0.0)
+    }
+
+    /// The least and the largest value.
+    #[must_use]
+    pub fn range(&self) -> (f64, f64) {
+        let values = || self.values.iter().copied();
+        (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max))
+    }
 }
 
 /// Positions with classes and attributes in a rectangle. See the module's words on what it can't hold.
@@ -251,8 +301,8 @@ impl PointPattern {
     /// The same points with one more attribute.
     ///
     /// # Errors
-    /// When the length differs, a value is not finite, the name can't be used, or there are over
-    /// [`MAX_ATTRIBUTES`].
+    /// When the length differs, a value is not finite, a radius or scale is negative, the name can't be used, or there
+    /// are over [`MAX_ATTRIBUTES`].
     pub fn with_attribute(mut self, attribute: Attribute) -> Result<Self, PatternError> {
         if self.attributes.len() >= MAX_ATTRIBUTES {
             return Err(PatternError::TooMany {
@@ -274,6 +324,9 @@ impl PointPattern {
         }
         if let Some((index, &value)) = attribute.values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
             return Err(PatternError::NotFinite { index, axis: attribute.name, value });
+        }
+        if let Some((index, value)) = attribute.misfit() {
+            return Err(PatternError::Negative { index, name: attribute.name, value });
         }
         self.attributes.push(attribute);
         Ok(self)
@@ -320,6 +373,14 @@ impl PointPattern {
     #[must_use]
     pub fn attributes(&self) -> &[Attribute] {
         &self.attributes
+    }
+
+    /// Radii of the disks that the points stand for: the attribute `radius`, if there is one, divided by a unit of
+    /// length. Nothing but finite numbers, but perhaps negative ones.
+    #[must_use]
+    pub fn radii_in(&self, unit: f64) -> Option<Vec<f64>> {
+        let radius = self.attributes.iter().find(|attribute| attribute.name.trim().eq_ignore_ascii_case("radius"))?;
+        Some(radius.values.iter().map(|value| value / unit).collect())
     }
 
     /// Positions in exemplar units, relative to the domain's lower corner: the longer side is 1.

@@ -11,17 +11,21 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::analysis::Cloud;
+use crate::analysis::{AnalysisError, Cloud, check_radii};
 use crate::engine::cpu::adam::Adam;
 use crate::engine::cpu::network::Network;
 use crate::engine::cpu::{CpuEngine, Float};
 use crate::engine::gpu::{Gpu, GpuEngine, GpuNetwork};
 use crate::engine::view::Stage;
 use crate::engine::{Advance, Engine, ScaleSetup};
+use crate::method::alignment::{align, mend};
+use crate::method::disks::{Disks, Overlaps, movable, separate};
 use crate::method::parameters::Start;
-use crate::method::repair::{Limits, keep_apart, relocate};
+use crate::method::repair::{Limits, keep_apart, least_distance, relocate};
+use crate::method::restart::{shake, wrongness};
 use crate::method::schedule::converged;
-use crate::method::{ParameterError, Parameters, Schedule};
+use crate::method::values::{Exchange, Values};
+use crate::method::{ParameterError, Parameters, Schedule, Weights, bands};
 use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
 use crate::sampling::{Purpose, Rng, poisson_disk, white_noise};
 use crate::{Boundary, Domain};
@@ -49,12 +53,18 @@ impl LossTerms {
 pub struct Progress {
     /// Class being placed, from 0, in the order of the exemplar's class names.
     pub class: usize,
-    /// How many classes there are.
+    /// How many classes were placed before it.
+    pub turn: usize,
+    /// How many classes have points.
     pub classes: usize,
     /// Scale being worked on, from 0 (coarse).
     pub scale: usize,
     /// How many scales there are.
     pub scales: usize,
+    /// Which try at the worst regions; 0 is the way through all scales that comes before them.
+    pub restart: u32,
+    /// How many tries there may be.
+    pub restarts: u32,
     /// Iterations done on this scale.
     pub iteration: u32,
     /// Most iterations this scale may take.
@@ -116,6 +126,9 @@ pub enum SynthesisError {
     /// The exemplar, or what would come out, is not a valid pattern.
     #[error(transparent)]
     Pattern(#[from] PatternError),
+    /// A radius of the exemplar is none.
+    #[error("the exemplar's disks can't be used: {0}")]
+    Disks(#[from] AnalysisError),
     /// The exemplar has too little structure to learn from.
     #[error("the exemplar can't be used: {0}")]
     Exemplar(&'static str),
@@ -129,6 +142,9 @@ pub enum SynthesisError {
         /// Which parameters to lower, and to what.
         lower: String,
     },
+    /// Values that the output can't carry.
+    #[error("these values can't be given to the output's points: {0}")]
+    Sources(String),
     /// A saved state that does not fit together.
     #[error("the saved state can't be continued: {0}")]
     State(String),
@@ -150,20 +166,34 @@ pub struct Synthesis {
     exemplar: PointPattern,
     parameters: Parameters,
     schedule: Schedule,
-    /// Exemplar points by class, in exemplar units.
-    exemplar_classes: Vec<Vec<DVec2>>,
+    /// Exemplar points in exemplar units, and which of them belong to each class.
+    positions: Vec<DVec2>,
+    members: Vec<Vec<usize>>,
+    /// What every exemplar point weighs in the bands of its attributes.
+    columns: Vec<Vec<f64>>,
+    /// The classes that have points, in the order in which they are placed.
+    order: Vec<usize>,
     output_size: DVec2,
     /// The same rectangle in the exemplar's own unit.
     output_domain: Domain,
-    /// Output points, class after class, in exemplar units: the classes done and the one at hand.
+    /// Output points, class after class as they are placed, in exemplar units: the classes done and the one at hand.
     points: Vec<DVec2>,
-    /// Where each started class begins in `points`.
+    /// For every output point the exemplar point whose attributes it carries.
+    sources: Vec<usize>,
+    /// Radii of the exemplar's disks in exemplar units, where they are to overlap as they do there.
+    radii: Option<Vec<f64>>,
+    /// Where each started class begins in `points`, in the order of placing.
     class_starts: Vec<usize>,
-    class: usize,
+    /// How many classes were placed before the one at hand.
+    turn: usize,
     scale: usize,
     /// Losses of the scale at hand, one an iteration.
     losses: Vec<f64>,
     total_iterations: u64,
+    /// Which try at the worst regions of the class at hand; 0 before the first.
+    restart: u32,
+    /// The least wrong points of the class at hand so far.
+    best: Option<Best>,
     finished: bool,
     /// Set by a resumed run until its engine is built.
     resumed: Option<Adam>,
@@ -177,8 +207,22 @@ pub struct Synthesis {
     told: VecDeque<Event>,
 }
 
+/// What a class looked like when it was least wrong.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Best {
+    /// How wrong it was: see [`wrongness`].
+    pub wrongness: f64,
+    /// Its points in exemplar units.
+    pub points: Vec<DVec2>,
+    /// Which of the exemplar's points each takes its values from.
+    pub sources: Vec<usize>,
+}
+
+/// Alignments at most, with relocations between them.
+const ALIGNMENTS: usize = 3;
+
 /// Version of [`SynthesisState`]'s layout.
-const STATE_VERSION: u32 = 1;
+const STATE_VERSION: u32 = 2;
 
 /// Everything needed to continue a run later, bit for bit. Taken between iterations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -190,8 +234,12 @@ pub struct SynthesisState {
     pub exemplar: PointPattern,
     /// The parameters.
     pub parameters: Parameters,
-    /// Output points in exemplar units, class after class.
+    /// Output points in exemplar units, class after class as they are placed.
     pub points: Vec<DVec2>,
+    /// For every output point the exemplar point whose attributes it carries. (States of version 1 have none; they
+    /// are refused for their version.)
+    #[serde(default)]
+    pub sources: Vec<usize>,
     /// Class at hand.
     pub class: usize,
     /// Scale at hand.
@@ -202,6 +250,10 @@ pub struct SynthesisState {
     pub losses: Vec<f64>,
     /// Iterations done in the whole run.
     pub total_iterations: u64,
+    /// Which try at the worst regions of the class; 0 before the first.
+    pub restart: u32,
+    /// The least wrong points of the class, once there are tries.
+    pub best: Option<Best>,
     /// Whether everything is done.
     pub finished: bool,
     /// Adam's moments of the moving points.
@@ -231,21 +283,29 @@ impl Synthesis {
         let output_domain =
             Domain::new(domain.min(), domain.size() * DVec2::new(parameters.expansion_x, parameters.expansion_y))?;
         let positions = exemplar.positions_in_exemplar_units();
-        let mut exemplar_classes = vec![Vec::new(); exemplar.class_names().len()];
-        for (position, &class) in positions.iter().zip(exemplar.classes()) {
-            exemplar_classes[usize::from(class)].push(*position);
+        let mut members = vec![Vec::new(); exemplar.class_names().len()];
+        for (point, &class) in exemplar.classes().iter().enumerate() {
+            members[usize::from(class)].push(point);
         }
+        let radii = if parameters.disk_overlap > 0.0 { disk_radii(&exemplar)? } else { None };
         let run = Self {
+            radii,
             schedule: Schedule::new(&parameters, spacing, density(&exemplar), output_size),
-            exemplar_classes,
+            positions,
+            members,
+            columns: bands::columns(&exemplar),
+            order: parameters.class_order.of(&exemplar),
             output_size,
             output_domain,
             points: Vec::new(),
+            sources: Vec::new(),
             class_starts: Vec::new(),
-            class: 0,
+            turn: 0,
             scale: 0,
             losses: Vec::new(),
             total_iterations: 0,
+            restart: 0,
+            best: None,
             finished: false,
             resumed: None,
             engine: None,
@@ -256,9 +316,15 @@ impl Synthesis {
             exemplar,
             parameters,
         };
-        let total: usize = (0..run.classes()).map(|class| run.output_count(class)).sum();
+        let total: usize = run.order.iter().map(|&class| run.output_count(class)).sum();
         if total > MAX_POINTS {
             return Err(PatternError::TooMany { what: "points in the output", count: total, max: MAX_POINTS }.into());
+        }
+        let largest = run.radii.iter().flatten().copied().fold(0.0, f64::max);
+        if !movable(total, density(&run.exemplar), largest) {
+            return Err(SynthesisError::Exemplar(
+                "every disk overlaps hundreds of others; check the unit of the radii, or set 'disk-overlap' to 0",
+            ));
         }
         run.check_memory(memory_limit)?;
         Ok(run)
@@ -269,15 +335,31 @@ impl Synthesis {
         Schedule::new(&self.parameters, spacing, density(&self.exemplar), self.output_size)
     }
 
+    /// How many classes have points.
     fn classes(&self) -> usize {
-        self.exemplar_classes.len()
+        self.order.len()
+    }
+
+    /// The class at hand.
+    fn class(&self) -> usize {
+        self.order[self.turn]
+    }
+
+    /// The exemplar's points of the class at hand and those placed before it.
+    fn seen(&self) -> Vec<usize> {
+        self.order[..=self.turn].iter().flat_map(|&class| self.members[class].iter().copied()).collect()
+    }
+
+    /// What points weigh that carry the values of these exemplar points, once `placed` classes are there.
+    fn weights(&self, placed: usize, sources: &[usize]) -> Weights {
+        let maps = self.parameters.class_maps;
+        Weights::of(&self.columns, self.exemplar.classes(), &self.order[..placed], maps, sources)
     }
 
     /// How many points of a class the output has: the exemplar's count times the area (Huang et al. 2022, §4.4).
     fn output_count(&self, class: usize) -> usize {
         let area = self.parameters.expansion_x * self.parameters.expansion_y;
-        let count = self.exemplar_classes[class].len();
-        if count == 0 { 0 } else { ((count as f64 * area).round() as usize).max(1) }
+        ((self.members[class].len() as f64 * area).round() as usize).max(1)
     }
 
     /// Bytes the run takes at its peak, with these parameters.
@@ -285,22 +367,20 @@ impl Synthesis {
         let size = self.exemplar.domain().size_in_exemplar_units();
         let output_size = size * DVec2::new(parameters.expansion_x, parameters.expansion_y);
         let Some(spacing) = self.exemplar.mean_spacing() else { return 0 };
-        let last = self.classes().saturating_sub(1);
+        // The last class sees all maps.
+        let weights = self.weights(self.classes(), &[]);
         let area = parameters.expansion_x * parameters.expansion_y;
         let points = (self.exemplar.len() as f64 * area).ceil() as usize;
         Schedule::new(parameters, spacing, density(&self.exemplar), output_size)
             .scales
             .iter()
             .map(|scale| {
-                let setup = ScaleSetup::new(
-                    parameters,
-                    scale,
-                    (last as u16, 0),
-                    self.exemplar.positions_in_exemplar_units(),
-                    size,
-                    self.exemplar.boundary(),
-                    output_size,
-                );
+                let boundary = self.exemplar.boundary();
+                let positions = self.positions.clone();
+                let setup = ScaleSetup {
+                    exemplar_weights: weights.clone(),
+                    ..ScaleSetup::new(parameters, scale, (0, 0), positions, size, boundary, output_size)
+                };
                 CpuEngine::bytes_for(&setup, parameters.channels as usize, points)
             })
             .max()
@@ -346,44 +426,100 @@ impl Synthesis {
         Err(SynthesisError::Memory { needed_mb: mb(needed), limit_mb: limit / 1_000_000, lower: ways.join(" or ") })
     }
 
-    /// Scatters the points of the class at hand; passes over classes without points.
+    /// Scatters the points of the class at hand.
     fn begin_class(&mut self) {
-        while self.class < self.classes() && self.output_count(self.class) == 0 {
-            self.class_starts.push(self.points.len());
-            self.class += 1;
-        }
-        if self.class == self.classes() {
-            self.class -= 1;
-            self.finished = true;
-            return;
-        }
         self.class_starts.push(self.points.len());
-        let count = self.output_count(self.class);
-        let mut rng = Rng::new(self.parameters.seed, Purpose::Start(self.class as u16));
+        let class = self.class();
+        let count = self.output_count(class);
+        let mut rng = Rng::new(self.parameters.seed, Purpose::Start(class as u16));
         let start = match self.parameters.start {
             Start::PoissonDisk => poisson_disk(&mut rng, self.output_size, count, self.parameters.boundary),
             Start::WhiteNoise => white_noise(&mut rng, self.output_size, count),
         };
         self.points.extend(start);
+        self.deal(class);
         self.scale = 0;
         self.losses.clear();
     }
 
+    /// Gives the points of a class that has just begun the attributes of its exemplar points: all of them, repeated as
+    /// often as the area asks, in random order (Huang et al. 2022, §4.5).
+    fn deal(&mut self, class: usize) {
+        let mut members = self.members[class].clone();
+        let mut rng = Rng::new(self.parameters.seed, Purpose::Attributes(class as u16));
+        while self.sources.len() < self.points.len() {
+            rng.shuffle(&mut members);
+            let count = members.len().min(self.points.len() - self.sources.len());
+            self.sources.extend(&members[..count]);
+        }
+    }
+
     /// Where the class at hand begins in `points`.
     fn moving_from(&self) -> usize {
-        self.class_starts[self.class]
+        self.class_starts[self.turn]
+    }
+
+    /// For each class that has begun, in the order of placing, its points.
+    fn spans(&self) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> {
+        let ends = self.class_starts.iter().skip(1).copied().chain([self.points.len()]);
+        self.order.iter().copied().zip(self.class_starts.iter().zip(ends).map(|(&start, end)| start..end))
+    }
+
+    /// For every point of [`Self::points`] the exemplar point whose attributes it carries.
+    #[must_use]
+    pub fn sources(&self) -> &[usize] {
+        &self.sources
+    }
+
+    /// Gives the points other exemplar points' attributes. The scale at hand goes on from its last complete iteration.
+    ///
+    /// # Errors
+    /// When there is not one a point, one is of another class, or an exemplar point comes up more or less often than
+    /// the area asks.
+    pub fn set_sources(&mut self, sources: Vec<usize>) -> Result<(), SynthesisError> {
+        self.check_sources(&sources).map_err(SynthesisError::Sources)?;
+        self.sources = sources;
+        self.restart_scale();
+        Ok(())
+    }
+
+    fn check_sources(&self, sources: &[usize]) -> Result<(), String> {
+        if sources.len() != self.points.len() {
+            return Err(format!("there are {} for {} points", sources.len(), self.points.len()));
+        }
+        let mut uses = vec![0; self.exemplar.len()];
+        for (class, span) in self.spans() {
+            let members = &self.members[class];
+            for point in span.clone() {
+                let source = sources[point];
+                if self.exemplar.classes().get(source).copied().map(usize::from) != Some(class) {
+                    return Err(format!("point {point} has those of point {source}, which is not of its class"));
+                }
+                uses[source] += 1;
+            }
+            let fair = span.len() / members.len()..=span.len().div_ceil(members.len());
+            if let Some(&member) = members.iter().find(|&&member| !fair.contains(&uses[member])) {
+                return Err(format!("those of exemplar point {member} are used {} times", uses[member]));
+            }
+        }
+        Ok(())
     }
 
     fn begin_scale(&mut self) -> Event {
-        let setup = ScaleSetup::new(
-            &self.parameters,
-            &self.schedule.scales[self.scale],
-            (self.class as u16, self.scale as u16),
-            self.exemplar_classes[..=self.class].concat(),
-            self.exemplar.domain().size_in_exemplar_units(),
-            self.exemplar.boundary(),
-            self.output_size,
-        );
+        let seen = self.seen();
+        let setup = ScaleSetup {
+            exemplar_weights: self.weights(self.turn + 1, &seen),
+            output_weights: self.weights(self.turn + 1, &self.sources),
+            ..ScaleSetup::new(
+                &self.parameters,
+                &self.schedule.scales[self.scale],
+                (self.class() as u16, self.scale as u16),
+                seen.iter().map(|&point| self.positions[point]).collect(),
+                self.exemplar.domain().size_in_exemplar_units(),
+                self.exemplar.boundary(),
+                self.output_size,
+            )
+        };
         let grid = setup.output_view.grid;
         let sigma = setup.output_view.wave.sigma;
         let channels = self.parameters.channels as usize;
@@ -529,23 +665,129 @@ impl Synthesis {
         self.losses.len() >= self.schedule.scales[self.scale].iterations as usize || self.scale_converged()
     }
 
-    /// Puts right what the losses hardly see, where the exemplar says that it is wrong.
+    /// Puts right what the losses hardly see, where the exemplar says that it is wrong: the moving points' places, and
+    /// whose values they carry. Nothing computes meanwhile; the next scale starts from what it leaves.
     fn repair(&mut self) {
-        let Parameters { spacing_floor, relocation, boundary, .. } = self.parameters;
-        if spacing_floor == 0.0 && relocation == 0.0 {
+        let Parameters { spacing_floor, relocation, alignment, disk_overlap, value_swaps, boundary, .. } =
+            self.parameters;
+        let alignment = if self.scale + 1 == self.schedule.scales.len() { alignment } else { 0 };
+        let by_places = spacing_floor > 0.0 || relocation > 0.0 || alignment > 0;
+        if !by_places && value_swaps == 0 && self.radii.is_none() {
             return;
         }
-        let size = self.exemplar.domain().size_in_exemplar_units();
-        let exemplar = Cloud::new(self.exemplar_classes[..=self.class].concat(), size, self.exemplar.boundary());
-        let Some(limits) = exemplar.ok().as_ref().and_then(Limits::of) else { return };
+        let Ok(exemplar) = self.exemplar_so_far() else { return };
+        let Some(limits) = Limits::of(&exemplar) else { return };
         let first = self.moving_from();
-        if relocation > 0.0 {
-            let most = (relocation * (self.points.len() - first) as f64).ceil() as usize;
-            relocate(&mut self.points, first, self.output_size, boundary, limits, most);
+        let most = (relocation * (self.points.len() - first) as f64).ceil() as usize;
+        let relocate = |points: &mut [DVec2]| relocate(points, first, self.output_size, boundary, limits, most);
+        relocate(&mut self.points);
+        if alignment > 0 {
+            let classes = self.output_classes();
+            for _ in 0..ALIGNMENTS {
+                let before = self.points.clone();
+                align(&mut self.points, &classes, first, self.output_size, boundary, &exemplar, alignment);
+                mend(&mut self.points, &before, self.output_size, boundary, limits);
+                // One too many for its row now stands on another, and can go where one is missing.
+                if relocate(&mut self.points) == 0 {
+                    break;
+                }
+            }
         }
-        if spacing_floor > 0.0 {
-            keep_apart(&mut self.points, first, self.output_size, boundary, limits, spacing_floor);
+        if value_swaps > 0 {
+            self.exchange_values(&exemplar, value_swaps);
         }
+        let least = least_distance(limits, spacing_floor, self.output_size, self.points.len());
+        if let Some(radii) = &self.radii {
+            // The class that moves has the highest number.
+            let turns: Vec<u16> = self.exemplar.classes().iter().map(|&class| self.turn_of(class)).collect();
+            let Ok(all) = Cloud::of(&self.exemplar).with_classes(turns.clone()) else { return };
+            let overlaps = Overlaps::of(&all, radii, self.turn as u16, disk_overlap);
+            let disks = Disks { radii, classes: &turns };
+            let domain = (self.output_size, boundary);
+            separate(&mut self.points, &mut self.sources, first, domain, disks, &overlaps, least);
+        } else if least > 0.0 {
+            keep_apart(&mut self.points, first, self.output_size, boundary, least);
+        }
+    }
+
+    /// When a class is placed, from 0.
+    fn turn_of(&self, class: u16) -> u16 {
+        self.order.iter().position(|&other| other == usize::from(class)).unwrap_or(0) as u16
+    }
+
+    /// Brings the values of the class at hand to where they fit; `exemplar` is [`Self::exemplar_so_far`].
+    fn exchange_values(&mut self, exemplar: &Cloud, sweeps: u32) {
+        let class = self.class() as u16;
+        let Some(values) = Values::of(&self.exemplar, class) else { return };
+        let Ok(output) = self.output_so_far() else { return };
+        let mut rng = Rng::new(self.parameters.seed, Purpose::Exchange { class, scale: self.scale as u16 });
+        let exchange = Exchange::new(&values, (exemplar, &self.seen()), &output, self.moving_from());
+        exchange.run(&mut self.sources, sweeps, &mut rng);
+    }
+
+    /// The exemplar's points of the class at hand and those before it.
+    fn exemplar_so_far(&self) -> Result<Cloud, AnalysisError> {
+        let size = self.exemplar.domain().size_in_exemplar_units();
+        let seen = self.seen();
+        let positions = seen.iter().map(|&point| self.positions[point]).collect();
+        let classes = seen.iter().map(|&point| self.exemplar.classes()[point]).collect();
+        Cloud::new(positions, size, self.exemplar.boundary())?.with_classes(classes)
+    }
+
+    /// Class of every point there is.
+    fn output_classes(&self) -> Vec<u16> {
+        self.sources.iter().map(|&source| self.exemplar.classes()[source]).collect()
+    }
+
+    /// Keeps the better of this try and the best before, and prepares another one if that is wanted and worth it.
+    fn try_again(&mut self) -> bool {
+        let first = self.moving_from();
+        let again = self.shaken(first);
+        match again {
+            Some(points) => {
+                self.points = points;
+                self.restart += 1;
+                self.scale = self.parameters.restart_scale();
+            }
+            None => {
+                self.restart = 0;
+                self.best = None;
+            }
+        }
+        self.restart > 0
+    }
+
+    /// The points of another try; none when there is none. Leaves the best points where they are the last.
+    fn shaken(&mut self, first: usize) -> Option<Vec<DVec2>> {
+        if self.parameters.restarts == 0 {
+            return None;
+        }
+        let exemplar = self.exemplar_so_far().ok()?;
+        let limits = Limits::of(&exemplar)?;
+        let wrong = wrongness(&self.output_so_far().ok()?, &exemplar, limits);
+        match &self.best {
+            Some(best) if best.wrongness <= wrong => {
+                self.points[first..].copy_from_slice(&best.points);
+                self.sources[first..].copy_from_slice(&best.sources);
+            }
+            _ => {
+                let (points, sources) = (self.points[first..].to_vec(), self.sources[first..].to_vec());
+                self.best = Some(Best { wrongness: wrong, points, sources });
+            }
+        }
+        if self.restart == self.parameters.restarts {
+            return None;
+        }
+        let mut points = self.points.clone();
+        let purpose = Purpose::Restart { class: self.class() as u16, restart: self.restart };
+        let mut rng = Rng::new(self.parameters.seed, purpose);
+        let shaken = shake(&mut points, first, &self.output_so_far().ok()?, &exemplar, limits, &mut rng);
+        (shaken > 0).then_some(points)
+    }
+
+    /// The output's points of the class at hand and those before it.
+    fn output_so_far(&self) -> Result<Cloud, AnalysisError> {
+        Cloud::new(self.points.clone(), self.output_size, self.parameters.boundary)?.with_classes(self.output_classes())
     }
 
     fn end_scale(&mut self) -> Event {
@@ -558,11 +800,11 @@ impl Synthesis {
         }
         self.losses.clear();
         self.scale += 1;
-        if self.scale == self.schedule.scales.len() {
+        if self.scale == self.schedule.scales.len() && !self.try_again() {
             self.scale -= 1;
-            self.class += 1;
-            if self.class == self.classes() {
-                self.class -= 1;
+            self.turn += 1;
+            if self.turn == self.classes() {
+                self.turn -= 1;
                 self.finished = true;
                 self.network = None;
                 self.gpu_network = None;
@@ -593,7 +835,7 @@ impl Synthesis {
         Ok(())
     }
 
-    /// Positions of the output as they stand, in exemplar units, class after class.
+    /// Positions of the output as they stand, in exemplar units, class after class as they are placed.
     #[must_use]
     pub fn points(&self) -> &[DVec2] {
         &self.points
@@ -614,47 +856,25 @@ impl Synthesis {
         let domain = self.exemplar.domain();
         let unit = domain.exemplar_unit();
         let output_domain = self.output_domain;
-        let positions = self
-            .points
-            .iter()
-            // The last digit may round over the border.
-            .map(|&point| (domain.min() + point * unit).clamp(output_domain.min(), output_domain.max()))
-            .collect();
-        let mut classes = Vec::with_capacity(self.points.len());
-        for (class, &start) in self.class_starts.iter().enumerate() {
-            let end = self.class_starts.get(class + 1).copied().unwrap_or(self.points.len());
-            classes.extend(std::iter::repeat_n(class as u16, end - start));
+        // Listed as the exemplar lists its classes, in whatever order they are placed.
+        let mut spans: Vec<_> = self.members.iter().map(|_| 0..0).collect();
+        for (class, span) in self.spans() {
+            spans[class] = span;
         }
-        let sources = self.attribute_sources();
+        let listed = || spans.iter().flat_map(Clone::clone);
+        let positions = listed()
+            // The last digit may round over the border.
+            .map(|point| (domain.min() + self.points[point] * unit).clamp(output_domain.min(), output_domain.max()))
+            .collect();
+        let classes = listed().map(|point| self.exemplar.classes()[self.sources[point]]).collect();
         let mut output = PointPattern::new(output_domain, positions)?
             .with_boundary(self.parameters.boundary)
             .with_classes(classes, self.exemplar.class_names().to_vec())?;
         for attribute in self.exemplar.attributes() {
-            let values = sources.iter().map(|&source| attribute.values[source]).collect();
+            let values = listed().map(|point| attribute.values[self.sources[point]]).collect();
             output = output.with_attribute(Attribute { name: attribute.name.clone(), values })?;
         }
         Ok(output)
-    }
-
-    /// For every output point the exemplar point whose attributes it carries: each class's own, all of them repeated
-    /// as often as the area asks, in random order (Huang et al. 2022, §4.5).
-    fn attribute_sources(&self) -> Vec<usize> {
-        let mut sources = Vec::with_capacity(self.points.len());
-        for (class, &start) in self.class_starts.iter().enumerate() {
-            let end = self.class_starts.get(class + 1).copied().unwrap_or(self.points.len());
-            let mut members: Vec<usize> = (0..self.exemplar.len())
-                .filter(|&point| usize::from(self.exemplar.classes()[point]) == class)
-                .collect();
-            let mut rng = Rng::new(self.parameters.seed, Purpose::Attributes(class as u16));
-            let mut left = end - start;
-            while left > 0 {
-                rng.shuffle(&mut members);
-                let count = left.min(members.len());
-                sources.extend(&members[..count]);
-                left -= count;
-            }
-        }
-        sources
     }
 
     /// Where the run stands.
@@ -663,21 +883,29 @@ impl Synthesis {
         let scales = &self.schedule.scales;
         // Work grows with the pixels of the grid.
         let work = |scale: usize| f64::from(scales[scale].iterations) * scales[scale].resolution.powi(2);
-        let all: f64 = (0..scales.len()).map(work).sum();
-        let before: f64 = (0..self.scale).map(work).sum();
+        let span = |from: usize, to: usize| (from..to).map(work).sum::<f64>();
+        let (whole, again) = (span(0, scales.len()), span(self.parameters.restart_scale(), scales.len()));
+        let all = whole + f64::from(self.parameters.restarts) * again;
+        let before = match self.restart {
+            0 => span(0, self.scale),
+            restart => whole + f64::from(restart - 1) * again + span(self.parameters.restart_scale(), self.scale),
+        };
         let limit = scales[self.scale].iterations;
         let iteration = self.losses.len() as u32;
         let current = work(self.scale) * f64::from(iteration) / f64::from(limit);
         let class_done = if self.finished { 1.0 } else { (before + current) / all };
         Progress {
-            class: self.class,
+            class: self.class(),
+            turn: self.turn,
             classes: self.classes(),
             scale: self.scale,
             scales: scales.len(),
+            restart: self.restart,
+            restarts: self.parameters.restarts,
             iteration,
             iterations: limit,
             total_iterations: self.total_iterations,
-            done: (self.class as f64 + class_done) / self.classes() as f64,
+            done: (self.turn as f64 + class_done) / self.classes() as f64,
         }
     }
 
@@ -696,7 +924,7 @@ impl Synthesis {
     /// Everything needed to continue later. An iteration that is only partly done is done again.
     #[must_use]
     pub fn state(&self) -> SynthesisState {
-        let fresh = || Adam::new(self.class_starts.get(self.class).map_or(0, |start| self.points.len() - start));
+        let fresh = || Adam::new(self.class_starts.get(self.turn).map_or(0, |start| self.points.len() - start));
         let adam = match (&self.engine, &self.resumed) {
             (Some(engine), _) => engine.adam().clone(),
             (None, Some(adam)) => adam.clone(),
@@ -707,11 +935,14 @@ impl Synthesis {
             exemplar: self.exemplar.clone(),
             parameters: self.parameters.clone(),
             points: self.points.clone(),
-            class: self.class,
+            sources: self.sources.clone(),
+            class: self.class(),
             scale: self.scale,
             iterations: self.schedule.scales[self.scale].iterations,
             losses: self.losses.clone(),
             total_iterations: self.total_iterations,
+            restart: self.restart,
+            best: self.best.clone(),
             finished: self.finished,
             adam,
         }
@@ -727,9 +958,9 @@ impl Synthesis {
             return refuse(format!("its version is {}, this program reads {STATE_VERSION}", state.version));
         }
         let mut run = Self::prepare(state.exemplar, state.parameters, memory_limit)?;
-        if state.class >= run.classes() {
-            return refuse(format!("it is at class {}, but the exemplar has {}", state.class, run.classes()));
-        }
+        let Some(turn) = run.order.iter().position(|&class| class == state.class) else {
+            return refuse(format!("it is at class {}, of which the exemplar has no points", state.class));
+        };
         if state.scale >= run.schedule.scales.len() {
             return refuse(format!("it is at scale {}, but there are {}", state.scale, run.schedule.scales.len()));
         }
@@ -739,14 +970,14 @@ impl Synthesis {
         }
         run.schedule.scales[state.scale].iterations = state.iterations;
         let mut start = 0;
-        for class in 0..=state.class {
+        for place in 0..=turn {
             run.class_starts.push(start);
-            start += run.output_count(class);
+            start += run.output_count(run.order[place]);
         }
         if state.points.len() != start {
             return refuse(format!("it has {} points, but {start} belong to its classes", state.points.len()));
         }
-        let (size, moving) = (run.output_size, start - run.class_starts[state.class]);
+        let (size, moving) = (run.output_size, start - run.class_starts[turn]);
         let inside = |p: &DVec2| p.x >= 0.0 && p.y >= 0.0 && p.x <= size.x && p.y <= size.y;
         if let Some(index) = state.points.iter().position(|point| !inside(point)) {
             return refuse(format!("point {index} lies outside the output"));
@@ -765,8 +996,31 @@ impl Synthesis {
         {
             return refuse("its optimiser holds a value that is not allowed".to_owned());
         }
+        if state.restart > run.parameters.restarts || (state.restart > 0 && state.best.is_none()) {
+            return refuse(format!("it is at try {}, but there are {}", state.restart, run.parameters.restarts));
+        }
+        if let Some(best) = &state.best
+            && (best.points.len() != moving
+                || best.sources.len() != moving
+                || !best.points.iter().all(inside)
+                || best.wrongness.is_nan())
+        {
+            return refuse("its best points so far are not those of this class".to_owned());
+        }
+        run.restart = state.restart;
         run.points = state.points;
-        run.class = state.class;
+        let of_best = state
+            .best
+            .as_ref()
+            .map(|best| [state.sources.get(..start - moving).unwrap_or(&[]), &best.sources].concat());
+        for sources in [Some(&state.sources), of_best.as_ref()].into_iter().flatten() {
+            if let Err(reason) = run.check_sources(sources) {
+                return refuse(format!("of the values that its points carry, {reason}"));
+            }
+        }
+        run.best = state.best;
+        run.sources = state.sources;
+        run.turn = turn;
         run.scale = state.scale;
         run.losses = state.losses;
         run.total_iterations = state.total_iterations;
@@ -780,6 +1034,13 @@ impl Synthesis {
     pub fn boundary(&self) -> Boundary {
         self.parameters.boundary
     }
+}
+
+/// Radii of a pattern's disks in exemplar units: those of its attribute `radius`, if it has one.
+fn disk_radii(exemplar: &PointPattern) -> Result<Option<Vec<f64>>, AnalysisError> {
+    let Some(radii) = exemplar.radii_in(exemplar.domain().exemplar_unit()) else { return Ok(None) };
+    check_radii(&Cloud::of(exemplar), &radii)?;
+    Ok(Some(radii))
 }
 
 /// Points per unit area, in exemplar units.

@@ -6,7 +6,7 @@
 use glam::DVec2;
 use pointweave::method::parameters::Start;
 use pointweave::method::{Parameters, Preset};
-use pointweave::synthesis::{Event, Synthesis, SynthesisError, SynthesisState};
+use pointweave::synthesis::{Best, Event, Synthesis, SynthesisError, SynthesisState};
 use pointweave::{Attribute, Boundary, Domain, PointPattern, gallery};
 
 const GENEROUS: u64 = 4_000_000_000;
@@ -63,34 +63,40 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn a_saved_run_continues_as_if_never_stopped() {
-    let (points, losses) = run_all(rings(), small(Boundary::Periodic, 5));
-    // In the middle of each scale, at its end, and before anything has happened.
-    for stop in [0, 5, 12, 15] {
-        let mut run = Synthesis::new(rings(), small(Boundary::Periodic, 5), GENEROUS).unwrap();
-        run.run(stop).unwrap();
-        // Some of the next iteration is already done, and will be done again.
-        if stop > 0 {
-            for _ in 0..3 {
-                run.advance().unwrap();
+    let (first, _) = run_all(rings(), small(Boundary::Periodic, 5));
+    for restarts in [0, 2] {
+        let parameters = Parameters { restarts, ..small(Boundary::Periodic, 5) };
+        let (points, losses) = run_all(rings(), parameters.clone());
+        // Negative control: other tries do lead elsewhere.
+        assert_eq!(points == first, restarts == 0);
+        // In the middle of each scale, at its end, before anything has happened, and in the last try.
+        for stop in [0, 5, 12, 15, losses.len() as u64 - 2] {
+            let mut run = Synthesis::new(rings(), parameters.clone(), GENEROUS).unwrap();
+            run.run(stop).unwrap();
+            // Some of the next iteration is already done, and will be done again.
+            if stop > 0 {
+                for _ in 0..3 {
+                    run.advance().unwrap();
+                }
             }
-        }
-        let text = serde_json::to_string(&run.state()).unwrap();
-        let state: SynthesisState = serde_json::from_str(&text).unwrap();
-        let mut resumed = Synthesis::resume(state, GENEROUS).unwrap();
-        let mut rest = Vec::new();
-        loop {
-            match resumed.advance().unwrap() {
-                Event::Finished => break,
-                Event::Iterated { loss, .. } => rest.push(loss.total()),
-                _ => {}
+            let text = serde_json::to_string(&run.state()).unwrap();
+            let state: SynthesisState = serde_json::from_str(&text).unwrap();
+            let mut resumed = Synthesis::resume(state, GENEROUS).unwrap();
+            let mut rest = Vec::new();
+            loop {
+                match resumed.advance().unwrap() {
+                    Event::Finished => break,
+                    Event::Iterated { loss, .. } => rest.push(loss.total()),
+                    _ => {}
+                }
             }
+            assert_eq!(rest, losses[stop as usize..], "stopped after {stop}");
+            assert_eq!(resumed.points(), points, "stopped after {stop}");
+            // A finished run stays finished.
+            let mut done = Synthesis::resume(resumed.state(), GENEROUS).unwrap();
+            assert_eq!(done.advance().unwrap(), Event::Finished);
+            assert_eq!(done.points(), points);
         }
-        assert_eq!(rest, losses[stop as usize..], "stopped after {stop}");
-        assert_eq!(resumed.points(), points, "stopped after {stop}");
-        // A finished run stays finished.
-        let mut done = Synthesis::resume(resumed.state(), GENEROUS).unwrap();
-        assert_eq!(done.advance().unwrap(), Event::Finished);
-        assert_eq!(done.points(), points);
     }
 }
 
@@ -101,12 +107,14 @@ fn states_that_do_not_fit_together_are_refused() {
     let good = run.state();
     assert!(Synthesis::resume(good.clone(), GENEROUS).is_ok());
     type Break = fn(&mut SynthesisState);
-    let breaks: [(&str, Break); 10] = [
+    let breaks: [(&str, Break); 12] = [
         ("version", |s| s.version = 99),
         ("points", |s| s.points.truncate(5)),
         ("outside", |s| s.points[3] = DVec2::new(7.0, 0.5)),
         ("outside", |s| s.points[3].x = f64::NAN),
         ("scale", |s| s.scale = 40),
+        ("try 1", |s| s.restart = 1),
+        ("best points", |s| s.best = Some(Best { wrongness: 0.1, points: Vec::new(), sources: Vec::new() })),
         ("class", |s| s.class = 2),
         ("iterations", |s| s.iterations = 4000),
         ("losses", |s| s.losses.push(f64::NAN)),

@@ -230,7 +230,7 @@ fn json_that_is_refused() {
     refused("[{\"x\": 1}]", &["no 'y'"]);
     refused("[{\"x\": 1, \"y\": 0}, {\"x\": 1}]", &["point 2 of the list has no 'y'"]);
     refused("[{\"x\": 1, \"y\": 0}, {\"x\": 1, \"y\": 0, \"z\": 1}]", &["point 2", "'z'"]);
-    refused("{\"type\": \"FeatureCollection\", \"features\": []}", &["neither 'points' nor 'positions'", "'features'"]);
+    refused("{\"kind\": \"none we know\", \"features\": []}", &["neither 'points' nor 'positions'", "'features'"]);
     refused("{\"points\": 7}", &["'points' is a number"]);
     refused("{\"points\": [[0,0]], \"boundary\": \"torus\"}", &["\"torus\"", "\"periodic\""]);
     refused("{\"points\": [[0,0]], \"domain\": [0, 0, 1]}", &["'domain' must be [x0, y0, x1, y1]"]);
@@ -242,6 +242,29 @@ fn json_that_is_refused() {
     assert!(named.contains("it is a number"), "{named}");
     refused(&"[".repeat(5000), &["recursion"]);
     refused(&format!("[{}0]", "[],".repeat(3_000_001)), &["more than 3000000 values"]);
+}
+
+#[test]
+fn sizes_are_not_negative_and_no_row_lacks_a_value() {
+    refused("x,y,radius\n0,0,1\n\n0,0,-0.5\n", &["line 4, column 3", "radius is \"-0.5\"", "0 or more"]);
+    refused("x;y;scale\n0;0;-1,5\n", &["line 2, column 3", "scale is \"-1,5\""]);
+    refused("Scale y x\n1 0 0\n-2 1 1", &["line 3, column 1", "Scale is \"-2\"", "0 or more"]);
+    refused("1 1000\n1000 5 5 7\n1000 5 5 -7", &["line 3, column 4", "radius is \"-7\""]);
+    refused(r#"[{"x": 0, "y": 0, "radius": 1}, {"x": 0, "y": 0, "radius": -1}]"#, &["point 2 of the list", "\"-1\""]);
+    let own = r#"{"positions": [[0, 0], [1, 1]], "attributes": [{"name": "radius", "values": [1, -3]}]}"#;
+    refused(own, &["point 1", "radius is -3", "0 or more"]);
+    let other = good("x,y,depth,orientation\n0,0,-1,-90\n1,1,0,360");
+    assert_eq!(other.attributes()[0].values, [-1.0, 0.0], "other quantities have a sign");
+
+    refused("x,y,depth\n0,0,1\n0,1,\n", &["line 3, column 3", "depth is \"\""]);
+    refused("x,y,class,depth\n0,0,a,1\n0,1,a\n", &["line 3", "3 values", "4 are needed"]);
+    refused("2 1000 2000\n1000 5 5 7\n2000 5 5", &["line 3", "3 values", "4 are needed"]);
+    let short = r#"{"positions": [[0, 0], [1, 1]], "attributes": [{"name": "depth", "values": [1]}]}"#;
+    refused(short, &["depth has 1 values for 2 points"]);
+    // The ids of classes are names: any will do.
+    assert_eq!(good("0 0 7\n0 1 3\n1 1 7").class_names(), ["7", "3"]);
+    let gap = r#"{"positions": [[0, 0], [1, 1]], "classes": [0, 2], "class_names": ["a", "b"]}"#;
+    refused(gap, &["point 1 has class 2", "2 classes (0 to 1)"]);
 }
 
 #[test]
@@ -611,7 +634,9 @@ fn awkward(seed: u64) -> PointPattern {
     let start = rng.index(ATTRIBUTES.len());
     for i in 0..rng.index(5) {
         let name = ATTRIBUTES[(start + i) % ATTRIBUTES.len()].to_owned();
-        let values = (0..count).map(|_| rng.normal() * 10_f64.powf(rng.range(-300.0, 300.0))).collect();
+        let values = (0..count).map(|_| rng.normal() * 10_f64.powf(rng.range(-300.0, 300.0)));
+        // A size has no sign.
+        let values = values.map(|value| if name == "radius" { value.abs() } else { value }).collect();
         pattern = pattern.with_attribute(Attribute { name, values }).unwrap();
     }
     pattern

@@ -18,7 +18,7 @@ use pointweave::engine::cpu::lanes::{LANES, padded};
 use pointweave::engine::cpu::network::{Evaluation, Network};
 use pointweave::engine::cpu::real::Real;
 use pointweave::engine::view::{Grid, Lags, View, Wave};
-use pointweave::method::FilterBank;
+use pointweave::method::{FilterBank, Weights};
 use serde_json::Value;
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -108,12 +108,13 @@ fn check<T: Real>(tolerance: f64, gradient_tolerance: f64) {
             lags,
             false,
             [0.0; 2],
+            &Weights::default(),
         );
         while !exemplar.advance(&exemplar_points, None) {}
         let targets = exemplar.targets(lags);
         let weights = [number("gram_weight"), number("correlation_weight")];
-        let mut output =
-            Evaluation::new(Arc::clone(&network), &view(&case["grid_output"]), points.len(), lags, true, weights);
+        let (side, seen) = (Arc::clone(&network), view(&case["grid_output"]));
+        let mut output = Evaluation::new(side, &seen, points.len(), lags, true, weights, &Weights::default());
         while !output.advance(&points, Some(&targets)) {}
 
         let what = |thing: &str| format!("{name} {:?}: {thing}", tiles[0]);

@@ -16,7 +16,7 @@ use pointweave::engine::gpu::timing::Direct;
 use pointweave::engine::gpu::{Gpu, GpuEngine, GpuError, OpenOptions, Shader};
 use pointweave::engine::{Advance, ScaleSetup};
 use pointweave::method::schedule::Scale;
-use pointweave::method::{Parameters, Preset};
+use pointweave::method::{Bands, Parameters, Preset};
 use pointweave::sampling::{Purpose, Rng, white_noise};
 use pointweave::synthesis::{Event, Synthesis};
 use pointweave::{Boundary, PointPattern, gallery};
@@ -44,6 +44,10 @@ fn every_stage_matches_its_twin() {
     let cases = [
         small,
         Case::small(Boundary::Periodic),
+        // Weighted maps, more of them than channels; without weights in a tile.
+        Case { bands: Bands { lone: false, full: 3, waves: 2 }, ..small },
+        Case { bands: Bands { lone: true, full: 0, waves: 1 }, channels: 20, ..small },
+        Case { bands: Bands::default(), ..Case::small(Boundary::Periodic) },
         // Windows that come around a periodic domain from both sides.
         Case { output: [0.5, 0.75], ..Case::small(Boundary::Periodic) },
         // Two blocks of channels, the last one not full.
@@ -64,6 +68,9 @@ fn a_wrong_kernel_is_found_out() {
     let wrong = [
         (Shader::Gabor, "even - odd", "even + odd", "Gabor maps"),
         (Shader::Gabor, "sum.y += y.w *", "sum.y += 1.01 * y.w *", "gradient of the points"),
+        (Shader::Gabor, "weight * tables[point", "tables[point", "Gabor maps"),
+        (Shader::Gabor, "g.x += weight *", "g.x += 1.1 * weight *", "gradient of the points"),
+        (Shader::Gabor, "fifth += weight *", "fifth +=", "gradient of the points"),
         (Shader::Convolution, "const W3 = vec2f(0.38", "const W3 = vec2f(0.39", "convolution 1"),
         (Shader::Convolution, "out.im += a_re.w * i3", "out.im -= a_re.w * i3", "convolution 1"),
         (Shader::Convolution, "shape.first + inner.y", "inner.y", "gradient of layer 3"),
@@ -80,7 +87,9 @@ fn a_wrong_kernel_is_found_out() {
         let gpu = open();
         gpu.sabotage(shader, piece, replacement);
         assert_eq!(gpu.fault(), None);
-        let found = deviations(&gpu, Case::small(Boundary::Open));
+        // Weights are in a tile only.
+        let boundary = if piece.contains("weight *") { Boundary::Periodic } else { Boundary::Open };
+        let found = deviations(&gpu, Case::small(boundary));
         // The exemplar's statistics come first, and would only say that something is wrong.
         let first = found.iter().skip(4).find(|deviation| !deviation.is_fine());
         assert_eq!(first.map(|deviation| deviation.what), Some(what), "{shader:?} {replacement:?}: {found:#?}");

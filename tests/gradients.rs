@@ -12,11 +12,11 @@ use pointweave::engine::cpu::convolution::{Convolution, Direction, Filters, Geom
 use pointweave::engine::cpu::correlation::Correlation;
 use pointweave::engine::cpu::gabor::Gabor;
 use pointweave::engine::cpu::gram::Gram;
-use pointweave::engine::cpu::lanes::LANES;
+use pointweave::engine::cpu::lanes::padded;
 use pointweave::engine::cpu::network::{Evaluation, Network, best_tiles};
 use pointweave::engine::cpu::normalization::Statistics;
 use pointweave::engine::view::{Grid, Lags, Region, View, Wave};
-use pointweave::method::FilterBank;
+use pointweave::method::{Bands, FilterBank, Weights};
 
 const BOUNDARIES: [Boundary; 2] = [Boundary::Open, Boundary::Periodic];
 
@@ -32,18 +32,34 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// One band of points that weigh the same, and bands of all kinds with weights of both signs, some of them 0.
+fn weightings(points: usize) -> [Weights; 3] {
+    let weighted = |bands: Bands| {
+        let values = noise(15, points * bands.count()).into_iter();
+        Weights::new(bands, values.map(|weight| if weight.abs() < 0.2 { 0.0 } else { weight }).collect())
+    };
+    [
+        Weights::default(),
+        weighted(Bands { lone: true, full: 0, waves: 2 }),
+        weighted(Bands { lone: false, full: 2, waves: 1 }),
+    ]
+}
+
 #[test]
 fn gabor_maps_and_their_gradient() {
-    for boundary in BOUNDARIES {
+    for (boundary, weights) in BOUNDARIES.into_iter().flat_map(|b| weightings(7).map(|weights| (b, weights))) {
+        let bands = weights.bands();
+        let stored = padded(bands.maps());
+        let of_points: Vec<f64> = weights.values(7).collect();
         let (height, width) = (12, 16);
         let grid = Grid { height, width, pitch: DVec2::new(2.0 / 16.0, 1.5 / 12.0), boundary };
         let wave = Wave { sigma: 0.21, frequency: 1.5, scale: 0.37, cutoff_sigmas: 8.0 };
         let start = points(1, DVec2::new(2.0, 1.5), 7);
-        let mut gabor = Gabor::<f64>::new(grid, wave, start.len());
+        let mut gabor = Gabor::<f64>::new(grid, wave, start.len(), &weights);
         let jitter = noise(2, height + width);
         gabor.shifts_mut()[0].copy_from_slice(&jitter[..height]);
         gabor.shifts_mut()[1].copy_from_slice(&jitter[height..]);
-        let mut maps = vec![0.0; height * width * LANES];
+        let mut maps = vec![f64::NAN; height * width * stored];
         gabor.maps(&start, &mut maps);
 
         // The definition, term by term.
@@ -56,29 +72,37 @@ fn gabor_maps_and_their_gradient() {
                     (x as f64 + 0.5 + jitter[height + x]) * grid.pitch.x,
                     (y as f64 + 0.5 + jitter[y]) * grid.pitch.y,
                 );
-                for (map, (fx, fy)) in frequencies.into_iter().enumerate() {
-                    let mut sum = 0.0;
-                    for point in &start {
-                        for i in images {
-                            for j in images {
-                                let d = *point + DVec2::new(i * 2.0, j * 1.5) - at;
-                                let phase = std::f64::consts::TAU * (fx * d.x + fy * d.y);
-                                sum += (-d.length_squared() / (2.0 * 0.21 * 0.21)).exp() * phase.cos();
+                let mut map = 0;
+                for band in 0..bands.count() {
+                    for (fx, fy) in &frequencies[..if bands.is_lone(band) { 1 } else { 5 }] {
+                        let mut sum = 0.0;
+                        for (point, weights) in start.iter().zip(of_points.chunks_exact(bands.count())) {
+                            for i in images {
+                                for j in images {
+                                    let d = *point + DVec2::new(i * 2.0, j * 1.5) - at;
+                                    let phase = std::f64::consts::TAU * (fx * d.x + fy * d.y);
+                                    let gauss = (-d.length_squared() / (2.0 * 0.21 * 0.21)).exp();
+                                    sum += weights[band] * gauss * phase.cos();
+                                }
                             }
                         }
+                        expected[(y * width + x) * stored + map] = 0.37 * sum;
+                        map += 1;
                     }
-                    expected[(y * width + x) * LANES + map] = 0.37 * sum;
                 }
+                assert_eq!(map, bands.maps());
             }
         }
         assert_close("maps", &maps, &expected, 1e-10);
 
-        let weights: Vec<f64> =
-            noise(3, maps.len()).into_iter().enumerate().map(|(i, w)| if i % LANES < 5 { w } else { 0.0 }).collect();
-        let gradient: Vec<f64> = gabor.gradients(&weights, 0).iter().flatten().copied().collect();
+        let mut slopes = noise(3, maps.len());
+        for pixel in slopes.chunks_exact_mut(stored) {
+            pixel[bands.maps()..].fill(0.0);
+        }
+        let gradient: Vec<f64> = gabor.gradients(&slopes, 0).iter().flatten().copied().collect();
         let differences = central_differences(&flatten(&start), 1e-5, |x| {
             gabor.maps(&to_points(x), &mut maps);
-            dot(&maps, &weights)
+            dot(&maps, &slopes)
         });
         assert_close("gabor gradient", &gradient, &differences, 1e-7);
     }
@@ -322,8 +346,10 @@ fn correlation_and_its_gradient() {
 
 #[test]
 fn the_whole_loss() {
-    for boundary in BOUNDARIES {
+    // The exemplar's weights are the first of the output's.
+    for (boundary, weights) in BOUNDARIES.into_iter().flat_map(|b| weightings(9).map(|weights| (b, weights))) {
         let channels = 6;
+        let bands = weights.bands();
         let (exemplar_size, output_size) = (DVec2::ONE, DVec2::new(2.0, 1.5));
         let view = |size: DVec2| View {
             grid: Grid {
@@ -335,17 +361,17 @@ fn the_whole_loss() {
             wave: Wave { sigma: 0.15, frequency: 1.5, scale: 1.0 / 6.0, cutoff_sigmas: 8.0 },
             interior_only: false,
         };
-        let bank = FilterBank::random(5, channels);
-        let network = Arc::new(Network::<f64>::new(&bank, best_tiles(channels, 24, 32, boundary)));
+        let bank = FilterBank::for_bands(5, channels, bands);
+        let network = Arc::new(Network::<f64>::new(&bank, best_tiles(channels, 24, 32, boundary, bands)));
         let lags = Lags { rows: 4, columns: 4 };
         let exemplar = points(13, exemplar_size, 6);
-        let mut reference =
-            Evaluation::new(Arc::clone(&network), &view(exemplar_size), exemplar.len(), lags, false, [0.0; 2]);
+        let (side, seen) = (Arc::clone(&network), view(exemplar_size));
+        let mut reference = Evaluation::new(side, &seen, exemplar.len(), lags, false, [0.0; 2], &weights);
         while !reference.advance(&exemplar, None) {}
         let targets = reference.targets(lags);
 
         let start = points(14, output_size, 9);
-        let mut output = Evaluation::new(network, &view(output_size), start.len(), lags, true, [0.08, 1.0]);
+        let mut output = Evaluation::new(network, &view(output_size), start.len(), lags, true, [0.08, 1.0], &weights);
         let mut loss = |points: &[DVec2]| {
             while !output.advance(points, Some(&targets)) {}
             output.loss().total()
@@ -354,7 +380,7 @@ fn the_whole_loss() {
         let differences = central_differences(&flatten(&start), 1e-6, |x| loss(&to_points(x)));
         loss(&start);
         let gradient: Vec<f64> = output.point_gradients(0).iter().flatten().copied().collect();
-        assert_close(&format!("whole loss, {boundary:?}"), &gradient, &differences, 2e-6);
+        assert_close(&format!("whole loss, {boundary:?}, {bands:?}"), &gradient, &differences, 2e-6);
         assert!(output.loss().total() > 1e-6, "a loss of 0 would prove nothing");
     }
 }

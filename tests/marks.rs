@@ -16,7 +16,7 @@ const DIRECTION: MarkFunction = MarkFunction::Direction;
 /// A square lattice of spacing 1⁄side, and for each point whether it is black on a chequerboard.
 fn chequers(side: usize, boundary: Boundary) -> (Cloud, Vec<bool>) {
     let places = (0..side * side).map(|i| (DVec2::new((i % side) as f64, (i / side) as f64) + 0.5) / side as f64);
-    let black = (0..side * side).map(|i| (i % side + i / side) % 2 == 0).collect();
+    let black = (0..side * side).map(|i| (i % side + i / side).is_multiple_of(2)).collect();
     (Cloud::new(places.collect(), DVec2::ONE, boundary).unwrap(), black)
 }
 

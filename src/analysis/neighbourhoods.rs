@@ -1,5 +1,6 @@
 //! Neighbourhoods of one pattern found again in another.
 
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::cloud::{Cloud, check_positive};
@@ -113,25 +114,65 @@ impl Neighbourhoods {
         self.best_in(self, true)
     }
 
+    /// The neighbourhood among `candidates` that is most like the one of this number, and how far it is from it; none
+    /// where a window's border cuts it off. A good `guess` saves most of the work.
+    pub(crate) fn best_match(&self, index: usize, candidates: &Self, guess: usize) -> Option<(usize, f32)> {
+        let own = &self.all[index];
+        let first = candidates.all.get(guess).map(|other| (guess, other));
+        let among = first.into_iter().chain(candidates.all.iter().enumerate());
+        let among = among.filter(|(_, other)| other.complete && other.class == own.class);
+        own.complete.then(|| self.best_among(own, candidates, among)).flatten()
+    }
+
+    /// How far the most similar other neighbourhood of the same pattern is; infinitely where there is none.
+    pub(crate) fn match_within(&self, index: usize) -> f32 {
+        let own = &self.all[index];
+        let among = self.all.iter().enumerate().filter(|&(number, _)| number != index);
+        self.best_among(own, self, among).map_or(f32::INFINITY, |(_, distance)| distance)
+    }
+
+    fn best_among<'a>(
+        &self,
+        own: &Neighbourhood,
+        candidates: &Self,
+        among: impl Iterator<Item = (usize, &'a Neighbourhood)>,
+    ) -> Option<(usize, f32)> {
+        let classless = self.is_classless(candidates);
+        let mut best = (0, f32::INFINITY);
+        for (number, other) in among {
+            let distance =
+                if classless { plain_distance(own, other, best.1) } else { class_distance(own, other, best.1) };
+            if distance < best.1 {
+                best = (number, distance);
+            }
+        }
+        best.1.is_finite().then_some(best)
+    }
+
+    fn is_classless(&self, candidates: &Self) -> bool {
+        self.single_class
+            && candidates.single_class
+            && self.all.first().map(|one| one.class) == candidates.all.first().map(|one| one.class)
+    }
+
+    /// Which place of the neighbourhood of this number is nearest to an offset, among those of the same class, and the
+    /// way there, in mean spacings.
+    pub(crate) fn way_to_place(&self, index: usize, offset: DVec2, class: u16) -> Option<(usize, DVec2)> {
+        let place = &self.all[index];
+        (0..place.count)
+            .filter(|&number| place.classes[number] == class)
+            .map(|number| (number, DVec2::new(place.x[number].into(), place.y[number].into()) - offset))
+            .min_by(|(_, a), (_, b)| a.length_squared().total_cmp(&b.length_squared()))
+    }
+
     /// Mean distance from the complete neighbourhoods to the best among `candidates`, perhaps without the one of the
     /// same number.
     fn best_in(&self, candidates: &Self, without_self: bool) -> f64 {
-        let classless = self.single_class
-            && candidates.single_class
-            && self.all.first().map(|one| one.class) == candidates.all.first().map(|one| one.class);
         let stride = (self.all.len() * candidates.all.len()).div_ceil(MAX_PAIRS).max(1);
         let (mut sum, mut count) = (0.0, 0.0);
         for (index, own) in self.all.iter().enumerate().filter(|(_, one)| one.complete).step_by(stride) {
-            let mut best = f32::INFINITY;
-            for (number, other) in candidates.all.iter().enumerate() {
-                if without_self && number == index {
-                    continue;
-                }
-                let distance =
-                    if classless { plain_distance(own, other, best) } else { class_distance(own, other, best) };
-                best = best.min(distance);
-            }
-            sum += f64::from(best);
+            let among = candidates.all.iter().enumerate().filter(|&(number, _)| !(without_self && number == index));
+            sum += self.best_among(own, candidates, among).map_or(f64::INFINITY, |(_, best)| best.into());
             count += 1.0;
         }
         sum / f64::max(count, 1.0)

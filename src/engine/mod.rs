@@ -10,8 +10,8 @@ pub mod view;
 use glam::DVec2;
 
 use crate::domain::Boundary;
-use crate::method::Parameters;
 use crate::method::schedule::Scale;
+use crate::method::{Parameters, Weights};
 use crate::synthesis::LossTerms;
 
 use cpu::CpuEngine;
@@ -24,6 +24,8 @@ use view::{CUTOFF_SIGMAS, Grid, Lags, Region, Stage, View, Wave};
 pub struct ScaleSetup {
     /// The exemplar's points of this class and those before it.
     pub exemplar: Vec<DVec2>,
+    /// What they weigh in the maps.
+    pub exemplar_weights: Weights,
     /// How the exemplar is seen.
     pub exemplar_view: View,
     /// Width and height of the output.
@@ -32,6 +34,8 @@ pub struct ScaleSetup {
     pub margin: f64,
     /// How the output is seen.
     pub output_view: View,
+    /// What the output's points weigh in the maps: in as many bands as the exemplar's.
+    pub output_weights: Weights,
     /// Lags of the correlation loss.
     pub lags: Lags,
     /// Weights of the Gram and the correlation loss.
@@ -49,7 +53,7 @@ pub struct ScaleSetup {
 }
 
 impl ScaleSetup {
-    /// Puts a scale together. `exemplar_size` and `output_size` are in exemplar units; `exemplar_points` is the
+    /// Puts a scale together, for points that weigh the same. `exemplar_size` and `output_size` are in exemplar units; `exemplar_points` is the
     /// number M that sets the scale of the maps.
     #[must_use]
     pub fn new(
@@ -83,10 +87,12 @@ impl ScaleSetup {
         let (a, b): (Region, Region) = (exemplar_view.last_region(), output_view.last_region());
         Self {
             exemplar,
+            exemplar_weights: Weights::default(),
             exemplar_view,
             output_size,
             margin,
             output_view,
+            output_weights: Weights::default(),
             lags: Lags { rows: a.height().min(b.height()), columns: a.width().min(b.width()) },
             weights: [parameters.gram_weight, parameters.correlation_weight],
             learning_rate: scale.learning_rate,

@@ -267,7 +267,8 @@ pub(super) fn located(error: &serde_json::Error) -> FormatError {
     let message = message.strip_suffix(&place).unwrap_or(&message);
     FormatError::Syntax {
         line: error.line(),
-        column: error.column(),
+        // The end of a text that ends a line stands before its first character.
+        column: error.column().max(1),
         message: format!("the JSON can't be used: {message}"),
     }
 }

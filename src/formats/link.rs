@@ -250,7 +250,9 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
     let (mut overrides, mut notes) = (Map::new(), Vec::new());
     for name in Parameters::RANGES.iter().map(|range| range.name).chain(CHOICES) {
         let Some(text) = get(name) else { continue };
-        let value = text.parse::<f64>().map_or_else(|_| Value::from(text), Value::from);
+        // JSON has no infinity.
+        let number = text.parse::<f64>().map(|number| number.clamp(f64::MIN, f64::MAX));
+        let value = number.map_or_else(|_| Value::from(text), Value::from);
         match Parameters::nearest(name, &value) {
             Some(allowed) => {
                 if allowed.as_f64() != value.as_f64() {
@@ -426,15 +428,22 @@ fn push_name(bytes: &mut Vec<u8>, name: &str) {
     bytes.extend_from_slice(name.as_bytes());
 }
 
-/// Deflates all sections in one go, and each with a code of its own, and takes what is shorter: regular patterns repeat
-/// themselves from one section to the next, random ones do not.
+/// Deflates all sections in one go, or with codes of their own for the first two, or for each, and takes what is
+/// shortest: regular patterns repeat themselves from one section to the next, random ones do not, and of them only the
+/// high bytes of steps can be made smaller.
 fn deflated(sections: &[Vec<u8>]) -> Vec<u8> {
-    let run = |flush: TDEFLFlush| {
+    let run = |apart: usize| {
         // The best level; a negative window means no zlib header.
         let mut compressor = CompressorOxide::new(create_comp_flags_from_zip_params(10, -15, 0));
         let mut bytes = Vec::new();
         for (index, section) in sections.iter().enumerate() {
-            let flush = if index + 1 == sections.len() { TDEFLFlush::Finish } else { flush };
+            let flush = if index + 1 == sections.len() {
+                TDEFLFlush::Finish
+            } else if index < apart {
+                TDEFLFlush::Sync
+            } else {
+                TDEFLFlush::None
+            };
             compress_to_output(&mut compressor, section, flush, |piece| {
                 bytes.extend_from_slice(piece);
                 true
@@ -442,8 +451,10 @@ fn deflated(sections: &[Vec<u8>]) -> Vec<u8> {
         }
         bytes
     };
-    let (together, apart) = (run(TDEFLFlush::None), run(TDEFLFlush::Sync));
-    if apart.len() < together.len() { apart } else { together }
+    [2, sections.len()]
+        .map(run)
+        .into_iter()
+        .fold(run(0), |best, next| if next.len() < best.len() { next } else { best })
 }
 
 /// Reads the points of a link.

@@ -1,7 +1,7 @@
 //! NumPy's `.npy`, versions 1 to 3: arrays of shape N × 2 and more. The columns are x, y, then a class or an attribute,
 //! then attributes, by the rule for text without a header.
 
-use super::declaration::Declared;
+use super::declaration::{Declared, number_text};
 use super::error::FormatError;
 use super::table::{Row, RowPlace, Table};
 use super::{FileFormat, ReadOptions, Reading};
@@ -54,8 +54,8 @@ impl Kind {
         }
         let bits = u64::from_le_bytes(little);
         match (self.letter, self.size) {
-            (b'f', 4) => format!("{:?}", f64::from(f32::from_bits(bits as u32))),
-            (b'f', _) => format!("{:?}", f64::from_bits(bits)),
+            (b'f', 4) => number_text(f64::from(f32::from_bits(bits as u32))),
+            (b'f', _) => number_text(f64::from_bits(bits)),
             (b'i', size) => {
                 let unused = 64 - 8 * size as u32;
                 ((bits << unused) as i64 >> unused).to_string()

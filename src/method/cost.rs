@@ -33,13 +33,15 @@ impl Cost {
         let density = exemplar.len() as f64 / (size.x * size.y);
         let classes = exemplar.class_names().len() as f64;
         let (mut iterations, mut operations) = (0.0, 0.0);
-        for scale in Schedule::new(parameters, spacing, density, output_size).scales {
+        let scales = Schedule::new(parameters, spacing, density, output_size).scales;
+        for (index, scale) in scales.iter().enumerate() {
+            let passes = 1.0 + if index < parameters.restart_scale() { 0.0 } else { parameters.restarts.into() };
             let margin = match parameters.boundary {
                 Boundary::Open => 2.0 * parameters.margin_sigmas * scale.sigma,
                 Boundary::Periodic => 0.0,
             };
             let grid = ((output_size + margin) * scale.resolution).ceil();
-            let count = classes * f64::from(scale.iterations);
+            let count = passes * classes * f64::from(scale.iterations);
             iterations += count;
             operations += count * direct_operations(grid.into(), parameters.channels.into());
         }

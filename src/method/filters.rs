@@ -1,5 +1,6 @@
 //! The random filter bank: drawn once per run from the seed, never trained.
 
+use super::bands::Bands;
 use crate::sampling::{Purpose, Rng};
 
 /// Convolutions of the network.
@@ -25,22 +26,28 @@ pub const DISTINCT_OF_PAPER: [usize; PAPER_MAPS] = [0, 3, 1, 4, 2, 0, 2, 4, 1, 3
 pub struct FilterBank {
     /// Output channels of every layer.
     pub channels: usize,
-    /// Weights of each layer, `[channels out, channels in, 7, 7]` row-major; the first layer has
-    /// [`DISTINCT_MAPS`] input channels, the others `channels`.
+    /// Weights of each layer, `[channels out, channels in, 7, 7]` row-major; the first layer has as many input
+    /// channels as there are distinct maps, the others `channels`.
     pub layers: [Vec<f64>; LAYERS],
 }
 
 impl FilterBank {
-    /// Draws the bank. The first layer is drawn for the paper's ten maps and folded onto the five distinct ones,
-    /// which gives exactly the same output; drawing five would change the distribution.
+    /// The bank for one band of unweighted maps.
     #[must_use]
     pub fn random(seed: u64, channels: usize) -> Self {
+        Self::for_bands(seed, channels, Bands::default())
+    }
+
+    /// Draws the bank. The first layer is drawn for all of the paper's maps and folded onto the distinct ones, which
+    /// gives exactly the same output; drawing as many as are distinct would change the distribution.
+    #[must_use]
+    pub fn for_bands(seed: u64, channels: usize, bands: Bands) -> Self {
         let mut rng = Rng::new(seed, Purpose::Filters);
         let mut draw = |inputs: usize| -> Vec<f64> {
             let bound = (6.0 / ((inputs + channels) * KERNEL * KERNEL) as f64).sqrt();
             (0..channels * inputs * KERNEL * KERNEL).map(|_| rng.range(-bound, bound)).collect()
         };
-        let first = fold(&draw(PAPER_MAPS), channels);
+        let first = fold(&draw(bands.paper_maps()), channels, bands);
         let layers = [first, draw(channels), draw(channels), draw(channels)];
         Self { channels, layers }
     }
@@ -48,18 +55,27 @@ impl FilterBank {
     /// Input channels of a layer.
     #[must_use]
     pub fn inputs(&self, layer: usize) -> usize {
-        if layer == 0 { DISTINCT_MAPS } else { self.channels }
+        self.layers[layer].len() / (self.channels * KERNEL * KERNEL)
     }
 }
 
-/// Adds up the kernels of equal maps: `[channels, 10, 7, 7]` to `[channels, 5, 7, 7]`.
+/// Adds up the kernels of equal maps: of one band, `[channels, 10, 7, 7]` to `[channels, 5, 7, 7]`.
 #[must_use]
-pub fn fold(weights: &[f64], channels: usize) -> Vec<f64> {
+pub fn fold(weights: &[f64], channels: usize, bands: Bands) -> Vec<f64> {
     let kernel = KERNEL * KERNEL;
-    let mut folded = vec![0.0; channels * DISTINCT_MAPS * kernel];
-    for (channel, from) in weights.chunks_exact(PAPER_MAPS * kernel).enumerate() {
+    let distinct: Vec<usize> = (0..bands.count())
+        .flat_map(|band| {
+            // A band of nine lacks the plain Gaussian.
+            let all =
+                if bands.paper_maps_of(band) < PAPER_MAPS - 1 { &DISTINCT_OF_PAPER[..1] } else { &DISTINCT_OF_PAPER };
+            let lacking = all.len() - bands.paper_maps_of(band);
+            all[lacking..].iter().map(move |map| bands.first(band) + map)
+        })
+        .collect();
+    let mut folded = vec![0.0; channels * bands.maps() * kernel];
+    for (channel, from) in weights.chunks_exact(bands.paper_maps() * kernel).enumerate() {
         for (map, from) in from.chunks_exact(kernel).enumerate() {
-            let at = (channel * DISTINCT_MAPS + DISTINCT_OF_PAPER[map]) * kernel;
+            let at = (channel * bands.maps() + distinct[map]) * kernel;
             for (to, weight) in folded[at..at + kernel].iter_mut().zip(from) {
                 *to += weight;
             }
@@ -110,5 +126,39 @@ mod tests {
             assert!(mean.abs() < bound * 0.02, "{mean}");
         }
         assert_eq!(bank.layers[0].len(), 24 * 5 * 49);
+    }
+
+    #[test]
+    fn folding_keeps_what_every_map_gets() {
+        let bands = Bands { lone: true, full: 1, waves: 2 };
+        // One output channel; the kernel of map m is 2^m.
+        let weights: Vec<f64> = (0..29).flat_map(|map| [f64::from(1 << map); 49]).collect();
+        let folded = fold(&weights, 1, bands);
+        assert_eq!(folded.len(), 16 * 49);
+        let sums: Vec<f64> = folded.chunks_exact(49).map(|kernel| kernel[0]).collect();
+        let sum = |maps: &[i32]| maps.iter().map(|&map| f64::from(1 << map)).sum::<f64>();
+        let expected = [
+            sum(&[0]),
+            sum(&[1, 6]),
+            sum(&[3, 9]),
+            sum(&[5, 7]),
+            sum(&[2, 10]),
+            sum(&[4, 8]),
+            // The frequency 0 of an attribute is its Gaussian.
+            sum(&[15]),
+            sum(&[12, 18]),
+            sum(&[14, 16]),
+            sum(&[11, 19]),
+            sum(&[13, 17]),
+            sum(&[24]),
+            sum(&[21, 27]),
+            sum(&[23, 25]),
+            sum(&[20, 28]),
+            sum(&[22, 26]),
+        ];
+        assert_eq!(sums, expected);
+        let bank = FilterBank::for_bands(7, 8, bands);
+        assert_eq!((bank.inputs(0), bank.inputs(1)), (16, 8));
+        assert_eq!(FilterBank::for_bands(7, 8, Bands::default()), FilterBank::random(7, 8));
     }
 }

@@ -7,8 +7,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use thiserror::Error;
 
+use crate::analysis::{Cloud, check_radii};
 use crate::domain::Boundary;
-use crate::pattern::PointPattern;
+use crate::pattern::{Meaning, PointPattern};
+use crate::sorting;
 
 /// A parameter outside its range.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -66,13 +68,15 @@ pub enum Preset {
     Fast,
     /// A minute or two: more channels, more iterations.
     Balanced,
+    /// As good as it gets: many minutes.
+    Best,
     /// The numbers of Huang et al. 2022.
     Paper,
 }
 
 impl Preset {
     /// All presets, quickest first.
-    pub const ALL: [Self; 3] = [Self::Fast, Self::Balanced, Self::Paper];
+    pub const ALL: [Self; 4] = [Self::Fast, Self::Balanced, Self::Best, Self::Paper];
 
     /// The name used in files, links and on the command line.
     #[must_use]
@@ -80,6 +84,7 @@ impl Preset {
         match self {
             Self::Fast => "fast",
             Self::Balanced => "balanced",
+            Self::Best => "best",
             Self::Paper => "paper",
         }
     }
@@ -92,7 +97,7 @@ impl Preset {
         Self::ALL.into_iter().find(|preset| preset.name() == name).ok_or_else(|| ParameterError::Choice {
             name: "preset",
             value: name.to_owned(),
-            choices: "fast, balanced, paper",
+            choices: "fast, balanced, best, paper",
         })
     }
 }
@@ -110,6 +115,56 @@ pub enum Start {
     PoissonDisk,
     /// Independent uniform points.
     WhiteNoise,
+}
+
+/// In which order the classes are placed; each sees those before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClassOrder {
+    /// As the exemplar lists them (the paper's).
+    #[default]
+    File,
+    /// By mean radius or scale, the largest first; where there is neither, fewest points first.
+    LargestFirst,
+    /// Most points first.
+    MostFirst,
+}
+
+impl ClassOrder {
+    /// The classes of `exemplar` that have points, in this order.
+    #[must_use]
+    pub fn of(self, exemplar: &PointPattern) -> Vec<usize> {
+        let classes = exemplar.class_names().len();
+        let mut counts = vec![0.0; classes];
+        let mut sizes = vec![0.0; classes];
+        let size = exemplar.attributes().iter().find(|attribute| attribute.meaning() == Meaning::Size);
+        for (point, &class) in exemplar.classes().iter().enumerate() {
+            counts[usize::from(class)] += 1.0;
+            sizes[usize::from(class)] += size.map_or(0.0, |size| size.values[point]);
+        }
+        // Ties stay in the order of the exemplar.
+        let mut order = sorting::order((0..classes).map(|class| match (self, size) {
+            (Self::File, _) => 0.0,
+            (Self::LargestFirst, Some(_)) => -sizes[class] / f64::max(counts[class], 1.0),
+            (Self::LargestFirst, None) => counts[class],
+            (Self::MostFirst, _) => -counts[class],
+        }));
+        order.retain(|&class| counts[class] > 0.0);
+        order
+    }
+}
+
+/// Whether the maps tell classes apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClassMaps {
+    /// All points in the same maps (the paper's).
+    #[default]
+    Pooled,
+    /// The class that moves has maps of its own, those before it share some.
+    Separate,
+    /// Every class has maps of its own.
+    Each,
 }
 
 /// What a learning rate is a multiple of.
@@ -137,6 +192,12 @@ pub struct Parameters {
     pub seed: u64,
     /// How the output points start.
     pub start: Start,
+    /// In which order the classes are placed.
+    #[serde(default)]
+    pub class_order: ClassOrder,
+    /// Whether the maps tell classes apart.
+    #[serde(default)]
+    pub class_maps: ClassMaps,
     /// Output channels of every random convolution.
     pub channels: u32,
     /// Sampling grid: pixels per mean spacing d, before the clamp to `grid_min` … `grid_max`.
@@ -188,6 +249,18 @@ pub struct Parameters {
     pub spacing_floor: f64,
     /// After each scale this share of the points at most goes from crowds into holes, where the exemplar has neither.
     pub relocation: f64,
+    /// After the last scale neighbourhoods that nearly match one of the exemplar's are made to match, in this many
+    /// rounds at most.
+    pub alignment: u32,
+    /// How often the regions that came out worst are shaken and go through the finer half of the ladder again; what does
+    /// not become better is undone.
+    pub restarts: u32,
+    /// After each scale disks (points with an attribute `radius`) are moved until they overlap as the exemplar's do, by
+    /// this share of what they lack; 0 leaves them, as the paper.
+    pub disk_overlap: f64,
+    /// After each scale points exchange their attribute values up to this many times over, so that neighbours fit as in
+    /// the exemplar; 0 leaves them where chance put them, as the paper.
+    pub value_swaps: u32,
     /// A scale may stop early only after this many iterations; also the window of the convergence test.
     pub convergence_window: u32,
     /// A scale stops when the last window brought less than this share of its whole decrease.
@@ -237,7 +310,7 @@ impl Range {
 
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
-    pub const RANGES: [Range; 27] = [
+    pub const RANGES: [Range; 31] = [
         real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
         real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
         whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
@@ -288,6 +361,20 @@ impl Parameters {
             "Points keep this share of the exemplar's smallest distance; 0 lets them meet.",
         ),
         real("relocation", 0.0, 0.5, "Share of points that may go from crowds into holes after each scale."),
+        whole("alignment", 0.0, 1000.0, "Rounds in which nearly right neighbourhoods are made right at the end."),
+        whole("restarts", 0.0, 100.0, "How often the regions that came out worst get another try."),
+        real(
+            "disk-overlap",
+            0.0,
+            1.0,
+            "Share of the exemplar's distances that disks keep where they must not overlap more; 0 is off.",
+        ),
+        whole(
+            "value-swaps",
+            0.0,
+            100.0,
+            "Sweeps of exchanges that bring values to where they fit; 0 leaves it to chance.",
+        ),
         whole("convergence-window", 10.0, 5000.0, "Iterations a scale runs at least, and looks back over."),
         real("convergence-tolerance", 0.0, 1.0, "A scale ends when its last window brought less than this share."),
     ];
@@ -320,6 +407,10 @@ impl Parameters {
             self.iterations_polish.into(),
             self.spacing_floor,
             self.relocation,
+            self.alignment.into(),
+            self.restarts.into(),
+            self.disk_overlap,
+            self.value_swaps.into(),
             self.convergence_window.into(),
             self.convergence_tolerance,
         ]
@@ -334,6 +425,8 @@ impl Parameters {
             boundary: Boundary::Open,
             seed: 1,
             start: Start::PoissonDisk,
+            class_order: ClassOrder::File,
+            class_maps: ClassMaps::Pooled,
             channels: 120,
             pixels_per_spacing: 9.0,
             grid_min: 128,
@@ -357,29 +450,35 @@ impl Parameters {
             iterations_polish: 0,
             spacing_floor: 0.0,
             relocation: 0.0,
+            alignment: 0,
+            restarts: 0,
+            disk_overlap: 0.0,
+            value_swaps: 0,
             convergence_window: 100,
             convergence_tolerance: 0.01,
         };
         match preset {
             Preset::Paper => paper,
+            // What other tries at the worst regions bring is more than what as much time in a larger network brings.
             Preset::Balanced => Self {
-                margin_sigmas: 2.0,
+                iterations_coarse: 300,
+                iterations_fine: 120,
+                iterations_polish: 80,
+                alignment: 40,
+                restarts: 3,
+                ..Self::preset(Preset::Fast)
+            },
+            Preset::Best => Self {
                 channels: 48,
-                sigma_coarse_cells: 1.16,
-                coarse_sigma_px: 7.0,
-                fine_sigma_px: 2.5,
                 pixels_per_spacing: 8.0,
                 grid_min: 48,
                 grid_max: 160,
-                learning_rate_coarse: 0.04,
-                learning_rate_fine: 0.04,
-                learning_rate_unit: LearningRateUnit::Sigma,
                 iterations_coarse: 400,
                 iterations_fine: 200,
                 iterations_polish: 120,
-                spacing_floor: 1.0,
-                relocation: 0.1,
-                ..paper
+                alignment: 60,
+                restarts: 8,
+                ..Self::preset(Preset::Fast)
             },
             Preset::Fast => Self {
                 margin_sigmas: 2.0,
@@ -389,7 +488,7 @@ impl Parameters {
                 fine_sigma_px: 2.5,
                 pixels_per_spacing: 7.0,
                 grid_min: 32,
-                grid_max: 128,
+                grid_max: 96,
                 learning_rate_coarse: 0.04,
                 learning_rate_fine: 0.04,
                 learning_rate_unit: LearningRateUnit::Sigma,
@@ -398,6 +497,9 @@ impl Parameters {
                 iterations_polish: 60,
                 spacing_floor: 1.0,
                 relocation: 0.1,
+                alignment: 20,
+                disk_overlap: 1.0,
+                value_swaps: 12,
                 ..paper
             },
         }
@@ -407,7 +509,14 @@ impl Parameters {
     /// the scales of other patterns, get a fine and narrow ladder. The Paper preset only takes the boundary.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
-        let parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
+        let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
+        if exemplar
+            .radii_in(exemplar.domain().exemplar_unit())
+            .is_some_and(|radii| check_radii(&Cloud::of(exemplar), &radii).is_err())
+        {
+            // Radii in another unit than positions are numbers like any other.
+            parameters.disk_overlap = 0.0;
+        }
         if preset == Preset::Paper || exemplar.aggregation_index().is_none_or(|index| index < LATTICE_INDEX) {
             return parameters;
         }
@@ -459,6 +568,12 @@ impl Parameters {
     pub fn put_in_order(&mut self) {
         self.grid_max = self.grid_max.max(self.grid_min);
         self.sigma_fine_divisor = self.sigma_fine_divisor.max(self.sigma_coarse_divisor);
+    }
+
+    /// The scale from which the worst regions try again: the finer half, where structures are closed.
+    #[must_use]
+    pub fn restart_scale(&self) -> usize {
+        self.scales as usize / 2
     }
 
     /// Checks every number against [`Self::RANGES`], and the ones that depend on each other.

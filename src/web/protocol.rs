@@ -176,7 +176,7 @@ pub enum Response {
         /// What it learns from.
         exemplar: PatternView,
         /// The points as they are now.
-        output: PatternView,
+        output: Box<PatternView>,
         /// All parameters of the run.
         parameters: Box<Parameters>,
         /// Where the run stands.

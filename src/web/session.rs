@@ -236,7 +236,7 @@ impl Session {
         let exemplar = synthesis.exemplar();
         let response = Response::Started {
             exemplar: view(exemplar),
-            output: view_beside(&synthesis.output()?, exemplar),
+            output: Box::new(view_beside(&synthesis.output()?, exemplar)),
             parameters: Box::new(synthesis.parameters().clone()),
             progress: synthesis.progress(),
         };
@@ -533,7 +533,12 @@ fn describe() -> Response {
         .map(|preset| {
             let (title, meaning) = match preset {
                 Preset::Fast => ("Fast", "Seconds: few filters, a grid just fine enough."),
-                Preset::Balanced => ("Balanced", "A minute or more: twice the filters, a finer grid, more iterations."),
+                Preset::Balanced => {
+                    ("Balanced", "Minutes: more iterations, and the worst regions get another try, three times.")
+                }
+                Preset::Best => {
+                    ("Best", "Many minutes: more filters, a finer grid, and eight tries at the worst regions.")
+                }
                 Preset::Paper => ("Paper", "The numbers of Huang et al. 2022. Takes long in a browser."),
             };
             PresetView {
@@ -890,7 +895,7 @@ mod tests {
         let nothing = || json!({});
         let cases = [
             (start(json!({ "source": "gallery", "name": "nope" }), "fast", nothing()), "\"nope\""),
-            (start(rings(), "best", nothing()), "fast, balanced, paper"),
+            (start(rings(), "perfect", nothing()), "fast, balanced, best, paper"),
             (start(rings(), "fast", json!({ "channels": -3 })), "between 4 and 160"),
             (start(rings(), "fast", json!({ "channels": 4.5 })), "whole number"),
             (start(rings(), "fast", json!({ "channels": "many" })), "can't be used"),

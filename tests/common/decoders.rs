@@ -3,6 +3,7 @@
 #![allow(dead_code, unreachable_pub, reason = "each fuzzer includes this file and uses its own part")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a fuzzer looks for panics")]
 
+use pointweave::PatternError;
 use pointweave::formats::link::{Link, LinkExemplar, read_link, write_link};
 use pointweave::formats::{
     BlobOptions, FormatError, Ink, Picture, Preview, ReadOptions, Reading, SvgStyle, find_blobs, open, write_csv,
@@ -87,6 +88,8 @@ pub fn pixels(bytes: &[u8]) {
             assert!(area <= (width * height) as f64 + 0.5, "blobs of {area} pixels in {width} × {height}");
         }
         Err(FormatError::Pixels { reason }) => assert!(!reason.is_empty()),
+        // Too narrow for a pattern.
+        Err(FormatError::Pattern(PatternError::Domain { .. })) => assert!(64 * width.min(height) < width.max(height)),
         Err(error) => panic!("{error}"),
     }
 }

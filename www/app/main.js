@@ -60,6 +60,8 @@ const statistics = new Statistics(link, { status: () => run.status, announce });
 
 /** @type {Chosen} */
 let chosen = { title: 'Rings', caption: '', source: { source: 'gallery', name: FIRST } };
+/** The exemplar's. @type {string[]} */
+let classNames = [];
 /** @type {Progress | null} */
 let progress = null;
 /** @type {import('./messages.js').Parameters | null} */
@@ -146,6 +148,7 @@ function onWorkerDeath(reason) {
 /** @param {import('./messages.js').StartedResponse} started */
 function onStarted(started) {
   progress = started.progress;
+  classNames = started.exemplar.classNames;
   parameters = started.parameters;
   chart.keep(started.progress.totalIterations);
   look.show(started.exemplar);
@@ -191,11 +194,13 @@ function onBatch(batch) {
  */
 function showProgress(iterationsPerSecond, secondsLeft) {
   if (!progress) return;
-  const { class: klass, classes, scale, scales, iteration, iterations, totalIterations, done } = progress;
+  const { class: klass, turn, classes, scale, scales, restart, restarts, iteration, iterations } = progress;
+  const { totalIterations, done } = progress;
   const finished = run.status === 'finished';
   const playing = run.status === 'playing';
-  const part = classes > 1 ? `Class ${klass + 1} of ${classes} · ` : '';
-  element('fact-scale').textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}`;
+  const part = classes > 1 ? `Class ${turn + 1} of ${classes} (${classNames[klass] ?? ''}) · ` : '';
+  const again = restart > 0 ? ` · Mending the worst, ${restart} of ${restarts}` : '';
+  element('fact-scale').textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}${again}`;
   element('fact-iteration').textContent = `Iteration ${totalIterations}`;
   engine.speed = playing ? iterationsPerSecond : null;
   element('fact-left').textContent =

@@ -85,8 +85,8 @@
 /** @typedef {{ stacked: number, holes: number, border: number | null }} DefectsView */
 /** @typedef {Record<string, number | string>} Parameters */
 /**
- * @typedef {{ class: number, classes: number, scale: number, scales: number, iteration: number, iterations: number,
- *   totalIterations: number, done: number }} Progress
+ * @typedef {{ class: number, turn: number, classes: number, scale: number, scales: number, restart: number, restarts: number,
+ *   iteration: number, iterations: number, totalIterations: number, done: number }} Progress
  */
 /** @typedef {{ gram: [number, number, number], correlation: number }} LossTerms */
 /** @typedef {{ type: 'scale-started', progress: Progress, sigma: number, grid: [number, number] }} ScaleStartedEvent */

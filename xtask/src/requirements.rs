@@ -115,6 +115,18 @@ fn is_root() -> bool {
     process::read(process::command("id").arg("-u")).is_ok_and(|user| user.trim() == "0")
 }
 
+/// Adds the standard library for `triple` where the toolchain is there without it: rustup reads the targets of
+/// rust-toolchain.toml only when it installs the toolchain itself.
+pub(crate) fn provide_target(triple: &str) -> Result<()> {
+    let mut ask = process::command("rustc");
+    ask.args(["--print", "target-libdir", "--target", triple]);
+    let folder = process::read(&mut ask).unwrap_or_default();
+    if fs::read_dir(folder.trim()).is_ok_and(|mut files| files.next().is_some()) {
+        return Ok(());
+    }
+    process::run(process::command("rustup").args(["target", "add", triple]))
+}
+
 /// Brings the packages of package-lock.json up to date. Does nothing when they are.
 pub(crate) fn provide_npm_packages() -> Result<()> {
     let root = process::root();

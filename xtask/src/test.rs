@@ -145,6 +145,7 @@ impl Session<'_> {
             Step::Requirements => requirements::provide_npm_packages().map(|()| Outcome::Passed),
             Step::Format => self.all(&mut [cargo(&["fmt", "--all", "--check"])]),
             Step::Lint => {
+                requirements::provide_target(web::TRIPLE)?;
                 let mut native = cargo(&["clippy", "--locked", "--workspace", "--all-targets"]);
                 let mut wasm = cargo(&["clippy", "--locked", "--target", "wasm32-unknown-unknown", "--lib"]);
                 for command in [&mut native, &mut wasm] {

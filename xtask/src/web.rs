@@ -35,7 +35,7 @@ impl Module {
     }
 }
 
-const TRIPLE: &str = "wasm32-unknown-unknown";
+pub(crate) const TRIPLE: &str = "wasm32-unknown-unknown";
 
 /// Options of `cargo xtask build`.
 #[derive(Clone, Copy, Debug, Default, Args)]
@@ -119,6 +119,7 @@ fn gzip_size(bytes: &[u8]) -> Result<usize> {
 
 /// Compiles the crate as one of the modules and writes that and its JavaScript half into `folder`.
 fn compile(module: Module, folder: &Path, bench: bool) -> Result<()> {
+    requirements::provide_target(TRIPLE)?;
     let mut command = process::cargo();
     command.args(["build", "--locked", "--profile", "wasm", "--target", TRIPLE, "--lib"]);
     command.args(["--no-default-features", "--features", module.feature]);

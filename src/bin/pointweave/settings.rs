@@ -31,8 +31,10 @@ impl From<BoundaryArgument> for Boundary {
 pub(crate) enum PresetArgument {
     /// Seconds: few channels, a grid just fine enough.
     Fast,
-    /// A minute or two: more channels, more iterations.
+    /// A minute or two: more iterations, and another try at the worst regions.
     Balanced,
+    /// Many minutes: more channels, a finer grid, and many tries at the worst regions.
+    Best,
     /// The numbers of the paper, on its fine grid: long.
     Paper,
 }
@@ -42,6 +44,7 @@ impl From<PresetArgument> for Preset {
         match argument {
             PresetArgument::Fast => Self::Fast,
             PresetArgument::Balanced => Self::Balanced,
+            PresetArgument::Best => Self::Best,
             PresetArgument::Paper => Self::Paper,
         }
     }
@@ -122,7 +125,8 @@ fn number(name: &str, text: &str) -> Result<Value, Failure> {
 /// The names, ranges and meanings of all numeric parameters, for the help.
 pub(crate) fn describe_parameters() -> String {
     let defaults = Preset::ALL.map(|preset| serde_json::to_value(Parameters::preset(preset)).unwrap_or_default());
-    let mut text = String::from("Parameters for --set, with their range and what fast, balanced and paper use:\n");
+    let mut text =
+        String::from("Parameters for --set, with their range and what fast, balanced, best and paper use:\n");
     for range in Parameters::RANGES {
         let values: Vec<String> = defaults.iter().map(|fields| fields[range.name].to_string()).collect();
         let values =
@@ -133,7 +137,8 @@ pub(crate) fn describe_parameters() -> String {
         ));
     }
     text.push_str(
-        "  boundary [open, periodic]\n  start [poisson-disk, white-noise]\n  learning-rate-unit [output-side, spacing]\n",
+        "  boundary [open, periodic]\n  start [poisson-disk, white-noise]\n  learning-rate-unit [output-side, sigma]\n  \
+         class-order [file, largest-first, most-first]\n  class-maps [pooled, separate, each]\n",
     );
     text
 }
@@ -170,6 +175,8 @@ mod tests {
             ("frequency", "NaN", "between 0 and 16"),
             ("seed", "-1", "between 0"),
             ("start", "grid", "unknown variant `grid`"),
+            ("class-order", "a-first", "`file`, `largest-first`, `most-first`"),
+            ("class-maps", "own", "`pooled`, `separate`, `each`"),
         ] {
             let message = set(name, value).err().unwrap_or_default();
             assert!(message.contains(words), "{name}={value} says {message:?}");

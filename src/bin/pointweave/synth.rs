@@ -230,7 +230,8 @@ fn advance(synthesis: &mut Synthesis, arguments: &SynthArguments, bar: &Progress
             Event::Iterated { progress, loss } => {
                 bar.set_position((progress.done * PROGRESS_STEPS) as u64);
                 let class = if progress.classes > 1 {
-                    format!("class {}/{}, ", progress.class + 1, progress.classes)
+                    let name = &synthesis.exemplar().class_names()[progress.class];
+                    format!("class {}/{} ({name}), ", progress.turn + 1, progress.classes)
                 } else {
                     String::new()
                 };

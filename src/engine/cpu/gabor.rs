@@ -6,18 +6,21 @@
 //!
 //! `cos(a + b) = cos a cos b − sin a sin b` makes every map a sum of products of a row table and a column table per
 //! point. The jitter of the sampling grid shifts whole rows and whole columns, which keeps it so.
+//!
+//! A band of maps multiplies every point by a weight of its own (`method::bands`): the tables are the same for all bands,
+//! and a point that weighs nothing costs nothing.
 
 use glam::DVec2;
 
 use crate::domain::Boundary;
 use crate::engine::view::{Grid, Wave, window};
+use crate::method::filters::DISTINCT_MAPS as MAPS;
+use crate::method::{Bands, Weights};
 
-use super::lanes::{self, Kernel, LANES};
+use super::lanes::{self, Kernel, LANES, padded};
 use super::parallel::for_each_chunk;
 use super::real::Real;
 
-/// Distinct Gabor maps.
-pub const MAPS: usize = 5;
 /// Tables along one axis: Gaussian, its product with the cosine and with the sine, and the slope of each.
 const TABLES: usize = 6;
 
@@ -26,6 +29,9 @@ const TABLES: usize = 6;
 pub struct Gabor<T> {
     grid: Grid,
     wave: Wave,
+    bands: Bands,
+    /// Of every point in every band, `[points, bands]`.
+    weights: Vec<T>,
     /// Pixels a point's window spans: rows, columns.
     span: [usize; 2],
     /// Shift of each row and of each column in pixels.
@@ -34,34 +40,38 @@ pub struct Gabor<T> {
     starts: Vec<[isize; 2]>,
     /// Per point: the row tables `[TABLES, rows]`, then the column tables `[TABLES, columns]`.
     tables: Vec<T>,
-    /// Gradient maps, one after the other: `[MAPS, height, width]`.
+    /// Gradient maps, one after the other: `[maps, height, width]`.
     planar: Vec<T>,
     /// Gradient of every point.
     gradients: Vec<[f64; 2]>,
 }
 
 impl<T: Real> Gabor<T> {
-    /// Space for `points` points.
+    /// Space for `points` points of these weights.
     #[must_use]
-    pub fn new(grid: Grid, wave: Wave, points: usize) -> Self {
+    pub fn new(grid: Grid, wave: Wave, points: usize, weights: &Weights) -> Self {
         let span = window(&grid, &wave);
+        let bands = weights.bands();
         Self {
             grid,
             wave,
+            bands,
+            weights: weights.values(points).map(T::rounded).collect(),
             span,
             shift: [vec![0.0; grid.height], vec![0.0; grid.width]],
             starts: vec![[0; 2]; points],
             tables: vec![T::ZERO; points * TABLES * (span[0] + span[1])],
-            planar: vec![T::ZERO; MAPS * grid.height * grid.width],
+            planar: vec![T::ZERO; bands.maps() * grid.height * grid.width],
             gradients: vec![[0.0; 2]; points],
         }
     }
 
     /// Bytes that [`Self::new`] allocates.
     #[must_use]
-    pub fn bytes_for(grid: &Grid, wave: &Wave, points: usize) -> usize {
+    pub fn bytes_for(grid: &Grid, wave: &Wave, points: usize, bands: Bands) -> usize {
         let span = window(grid, wave);
-        points * (TABLES * (span[0] + span[1]) * size_of::<T>() + 32) + MAPS * grid.height * grid.width * size_of::<T>()
+        let numbers = points * (TABLES * (span[0] + span[1]) + bands.count()) + bands.maps() * grid.height * grid.width;
+        numbers * size_of::<T>() + 32 * points
     }
 
     /// Shifts of rows and columns in pixels, to be set before [`Self::maps`].
@@ -69,11 +79,10 @@ impl<T: Real> Gabor<T> {
         &mut self.shift
     }
 
-    /// Makes the maps of `points` (exemplar units): `out` is `[height, width, LANES]`, map by lane, the rest zero.
+    /// Makes the maps of `points` (exemplar units): `out` is `[height, width, maps]`, padded with zeros to whole lanes.
     pub fn maps(&mut self, points: &[DVec2], out: &mut [T]) {
         self.fill_tables(points);
-        let width = self.grid.width;
-        let row_len = width * LANES;
+        let row_len = self.grid.width * padded(self.bands.maps());
         // Four rows a task: enough work to share out, and the planes of a task stay in the first cache.
         for_each_chunk(out, 4 * row_len, |chunk, rows| {
             lanes::run(MapRows { gabor: self, first_row: 4 * chunk, rows });
@@ -152,12 +161,13 @@ impl<T: Real> Gabor<T> {
     }
 
     /// Gradient with respect to every point of `first …`, in exemplar units, from the gradient with respect to the
-    /// maps, `[height, width, LANES]`. Uses the tables of the last [`Self::maps`].
+    /// maps, `[height, width, maps]` with padded maps. Uses the tables of the last [`Self::maps`].
     pub fn gradients(&mut self, map_gradient: &[T], first: usize) -> &[[f64; 2]] {
         let (height, width) = (self.grid.height, self.grid.width);
         let size = height * width;
+        let stored = padded(self.bands.maps());
         for_each_chunk(&mut self.planar, size, |map, plane| {
-            for (value, pixel) in plane.iter_mut().zip(map_gradient.chunks_exact(LANES)) {
+            for (value, pixel) in plane.iter_mut().zip(map_gradient.chunks_exact(stored)) {
                 *value = pixel[map];
             }
         });
@@ -183,59 +193,69 @@ const STRIP: usize = 512;
 impl<T: Real> Kernel for MapRows<'_, T> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Gabor { grid, wave, span, starts, .. } = self.gabor;
+        let Gabor { grid, wave, bands, span, starts, weights, .. } = self.gabor;
         let scale = T::rounded(wave.scale);
+        let stored = padded(bands.maps());
         let mut sums = [[T::ZERO; STRIP]; MAPS];
-        for (offset, row) in self.rows.chunks_exact_mut(grid.width * LANES).enumerate() {
+        for (offset, row) in self.rows.chunks_exact_mut(grid.width * stored).enumerate() {
             let y = self.first_row + offset;
-            for (strip, out) in row.chunks_mut(STRIP * LANES).enumerate() {
+            for (strip, out) in row.chunks_mut(STRIP * stored).enumerate() {
                 let left = strip * STRIP;
-                let right = left + out.len() / LANES;
-                for sum in &mut sums {
-                    sum.fill(T::ZERO);
-                }
-                for (point, start) in starts.iter().enumerate() {
-                    let (rows, columns) = self.gabor.tables_of(point);
-                    // The rows of this point's window that fall on y: several, if it is taller than a periodic domain.
-                    let offset = y as isize - start[0];
-                    let (mut j, next) = match grid.boundary {
-                        Boundary::Open if offset < 0 => continue,
-                        Boundary::Open => (offset as usize, span[0]),
-                        Boundary::Periodic => (offset.rem_euclid(grid.height as isize) as usize, grid.height),
-                    };
-                    while j < span[0] {
-                        let table = |which: usize| rows[which * span[0] + j] * scale;
-                        let (gauss, with_cos, with_sin) = (table(0), table(1), table(2));
-                        Gabor::<T>::runs(start[1], span[1], grid.width, grid.boundary, |place, pixel, len| {
-                            let from = pixel.max(left);
-                            let end = (pixel + len).min(right);
-                            if from >= end {
-                                return;
-                            }
-                            let len = end - from;
-                            let column = |which: usize| &columns[which * span[1] + place + from - pixel..][..len];
-                            let (e, c, s) = (column(0), column(1), column(2));
-                            let [plain, along_y, along_x, diagonal, counter] = &mut sums;
-                            let at = from - left..end - left;
-                            let (plain, along_y) = (&mut plain[at.clone()], &mut along_y[at.clone()]);
-                            let (along_x, diagonal) = (&mut along_x[at.clone()], &mut diagonal[at.clone()]);
-                            let counter = &mut counter[at];
-                            for x in 0..len {
-                                plain[x] += gauss * e[x];
-                                along_y[x] += with_cos * e[x];
-                                along_x[x] += gauss * c[x];
-                                let (even, odd) = (with_cos * c[x], with_sin * s[x]);
-                                diagonal[x] += even - odd;
-                                counter[x] += even + odd;
-                            }
-                        });
-                        j += next;
+                let right = left + out.len() / stored;
+                out.fill(T::ZERO);
+                for band in 0..bands.count() {
+                    for sum in &mut sums {
+                        sum.fill(T::ZERO);
                     }
-                }
-                for (x, pixel) in out.chunks_exact_mut(LANES).enumerate() {
-                    pixel.fill(T::ZERO);
-                    for (value, sum) in pixel.iter_mut().zip(&sums) {
-                        *value = sum[x];
+                    for (point, start) in starts.iter().enumerate() {
+                        let weight = weights[point * bands.count() + band];
+                        if weight == T::ZERO {
+                            continue;
+                        }
+                        let weight = scale * weight;
+                        let (rows, columns) = self.gabor.tables_of(point);
+                        // The rows of this point's window that fall on y: several, if it is taller than a periodic
+                        // domain.
+                        let offset = y as isize - start[0];
+                        let (mut j, next) = match grid.boundary {
+                            Boundary::Open if offset < 0 => continue,
+                            Boundary::Open => (offset as usize, span[0]),
+                            Boundary::Periodic => (offset.rem_euclid(grid.height as isize) as usize, grid.height),
+                        };
+                        while j < span[0] {
+                            let table = |which: usize| rows[which * span[0] + j] * weight;
+                            let (gauss, with_cos, with_sin) = (table(0), table(1), table(2));
+                            Gabor::<T>::runs(start[1], span[1], grid.width, grid.boundary, |place, pixel, len| {
+                                let from = pixel.max(left);
+                                let end = (pixel + len).min(right);
+                                if from >= end {
+                                    return;
+                                }
+                                let len = end - from;
+                                let column = |which: usize| &columns[which * span[1] + place + from - pixel..][..len];
+                                let (e, c, s) = (column(0), column(1), column(2));
+                                let [plain, along_y, along_x, diagonal, counter] = &mut sums;
+                                let at = from - left..end - left;
+                                let (plain, along_y) = (&mut plain[at.clone()], &mut along_y[at.clone()]);
+                                let (along_x, diagonal) = (&mut along_x[at.clone()], &mut diagonal[at.clone()]);
+                                let counter = &mut counter[at];
+                                for x in 0..len {
+                                    plain[x] += gauss * e[x];
+                                    along_y[x] += with_cos * e[x];
+                                    along_x[x] += gauss * c[x];
+                                    let (even, odd) = (with_cos * c[x], with_sin * s[x]);
+                                    diagonal[x] += even - odd;
+                                    counter[x] += even + odd;
+                                }
+                            });
+                            j += next;
+                        }
+                    }
+                    let maps = bands.first(band)..bands.first(band + 1);
+                    for (x, pixel) in out.chunks_exact_mut(stored).enumerate() {
+                        for (value, sum) in pixel[maps.clone()].iter_mut().zip(&sums) {
+                            *value = sum[x];
+                        }
                     }
                 }
             }
@@ -274,34 +294,51 @@ fn dot<T: Real>(a: &[T], b: &[T]) -> T {
 impl<T: Real> Kernel for PointGradient<'_, T> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Gabor { grid, wave, span, planar, .. } = self.gabor;
+        let Gabor { grid, wave, bands, span, planar, weights, .. } = self.gabor;
         let start = self.gabor.starts[self.point];
         let (rows, columns) = self.gabor.tables_of(self.point);
         let size = grid.height * grid.width;
         let (mut along_x, mut along_y) = (0.0, 0.0);
-        Gabor::<T>::runs(start[0], span[0], grid.height, grid.boundary, |row_place, row, row_count| {
-            for offset in 0..row_count {
-                let row_table = |which: usize| rows[which * span[0] + row_place + offset];
-                let (mut x_sum, mut y_sum) = (T::ZERO, T::ZERO);
-                Gabor::<T>::runs(start[1], span[1], grid.width, grid.boundary, |place, pixel, len| {
-                    let column = |which: usize| &columns[which * span[1] + place..][..len];
-                    let line = |map: usize| &planar[map * size + (row + offset) * grid.width + pixel..][..len];
-                    let (diagonal, counter) = (line(3), line(4));
-                    let (c, c_slope, s, s_slope) = (column(1), column(4), column(2), column(5));
-                    // Maps 3 and 4 are even ∓ odd: their gradients meet the cosines as a sum, the sines as a difference.
-                    let even = |table: &[T]| dot(diagonal, table) + dot(counter, table);
-                    let odd = |table: &[T]| dot(counter, table) - dot(diagonal, table);
-                    x_sum += row_table(0) * (dot(line(0), column(3)) + dot(line(2), c_slope))
-                        + row_table(1) * (dot(line(1), column(3)) + even(c_slope))
-                        + row_table(2) * odd(s_slope);
-                    y_sum += row_table(3) * (dot(line(0), column(0)) + dot(line(2), c))
-                        + row_table(4) * (dot(line(1), column(0)) + even(c))
-                        + row_table(5) * odd(s);
-                });
-                along_x += x_sum.wide();
-                along_y += y_sum.wide();
+        for band in 0..bands.count() {
+            let weight = weights[self.point * bands.count() + band];
+            if weight == T::ZERO {
+                continue;
             }
-        });
+            let first = bands.first(band);
+            let (mut band_x, mut band_y) = (0.0, 0.0);
+            Gabor::<T>::runs(start[0], span[0], grid.height, grid.boundary, |row_place, row, row_count| {
+                for offset in 0..row_count {
+                    let row_table = |which: usize| rows[which * span[0] + row_place + offset];
+                    let (mut x_sum, mut y_sum) = (T::ZERO, T::ZERO);
+                    Gabor::<T>::runs(start[1], span[1], grid.width, grid.boundary, |place, pixel, len| {
+                        let column = |which: usize| &columns[which * span[1] + place..][..len];
+                        let line =
+                            |map: usize| &planar[(first + map) * size + (row + offset) * grid.width + pixel..][..len];
+                        if bands.is_lone(band) {
+                            x_sum += row_table(0) * dot(line(0), column(3));
+                            y_sum += row_table(3) * dot(line(0), column(0));
+                            return;
+                        }
+                        let (diagonal, counter) = (line(3), line(4));
+                        let (c, c_slope, s, s_slope) = (column(1), column(4), column(2), column(5));
+                        // Maps 3 and 4 are even ∓ odd: their gradients meet the cosines as a sum, the sines as a
+                        // difference.
+                        let even = |table: &[T]| dot(diagonal, table) + dot(counter, table);
+                        let odd = |table: &[T]| dot(counter, table) - dot(diagonal, table);
+                        x_sum += row_table(0) * (dot(line(0), column(3)) + dot(line(2), c_slope))
+                            + row_table(1) * (dot(line(1), column(3)) + even(c_slope))
+                            + row_table(2) * odd(s_slope);
+                        y_sum += row_table(3) * (dot(line(0), column(0)) + dot(line(2), c))
+                            + row_table(4) * (dot(line(1), column(0)) + even(c))
+                            + row_table(5) * odd(s);
+                    });
+                    band_x += x_sum.wide();
+                    band_y += y_sum.wide();
+                }
+            });
+            along_x += weight.wide() * band_x;
+            along_y += weight.wide() * band_y;
+        }
         *self.out = [along_x * wave.scale, along_y * wave.scale];
     }
 }

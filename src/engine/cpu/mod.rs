@@ -64,13 +64,14 @@ impl CpuEngine {
     #[must_use]
     pub fn network(setup: &ScaleSetup, channels: usize, before: Option<Arc<Network<Float>>>) -> Arc<Network<Float>> {
         let grid = setup.output_view.grid;
-        let tiles = best_tiles(channels, grid.height, grid.width, grid.boundary);
+        let bands = setup.exemplar_weights.bands();
+        let tiles = best_tiles(channels, grid.height, grid.width, grid.boundary, bands);
         match before {
-            Some(network) if network.tiles() == tiles => network,
+            Some(network) if (network.tiles(), network.maps()) == (tiles, bands.maps()) => network,
             // Freed before the new one is made: these are the largest buffers of all.
             other => {
                 drop(other);
-                Arc::new(Network::new(&FilterBank::random(setup.seed, channels), tiles))
+                Arc::new(Network::new(&FilterBank::for_bands(setup.seed, channels, bands), tiles))
             }
         }
     }
@@ -79,13 +80,14 @@ impl CpuEngine {
     #[must_use]
     pub fn bytes_for(setup: &ScaleSetup, channels: usize, points: usize) -> u64 {
         let grid = setup.output_view.grid;
-        let tiles = best_tiles(channels, grid.height, grid.width, grid.boundary);
+        let bands = setup.exemplar_weights.bands();
+        let tiles = best_tiles(channels, grid.height, grid.width, grid.boundary, bands);
         let side = |view, points, with_gradient| {
-            Evaluation::<Float>::bytes_for(channels, tiles, view, points, setup.lags, with_gradient)
+            Evaluation::<Float>::bytes_for(channels, tiles, view, points, setup.lags, with_gradient, bands)
         };
         let exemplar = side(&setup.exemplar_view, setup.exemplar.len(), false);
         let output = side(&setup.output_view, points, true);
-        (Network::<Float>::bytes_for(channels, tiles) + exemplar.max(output)) as u64
+        (Network::<Float>::bytes_for(channels, tiles, bands) + exemplar.max(output)) as u64
     }
 
     /// Starts a scale. `points` are the output's points in exemplar units; those before `moving_from` are frozen.
@@ -102,8 +104,9 @@ impl CpuEngine {
         let count = setup.exemplar.len();
         let mut seen = Vec::with_capacity(points.len().max(count));
         see(&setup.exemplar, setup.margin, &mut seen);
+        let ScaleSetup { exemplar_view, lags, weights, exemplar_weights, .. } = &setup;
         let exemplar =
-            Evaluation::new(Arc::clone(&network), &setup.exemplar_view, count, setup.lags, false, setup.weights);
+            Evaluation::new(Arc::clone(&network), exemplar_view, count, *lags, false, *weights, exemplar_weights);
         Self { setup, network, phase: Phase::Exemplar(Box::new(exemplar)), points, seen, moving_from, adam, iteration }
     }
 
@@ -132,7 +135,8 @@ impl CpuEngine {
                 let (setup, network) = (&self.setup, Arc::clone(&self.network));
                 let targets = targets.clone();
                 let count = self.points.len();
-                let mut output = Evaluation::new(network, &setup.output_view, count, setup.lags, true, setup.weights);
+                let ScaleSetup { output_view, lags, weights, output_weights, .. } = setup;
+                let mut output = Evaluation::new(network, output_view, count, *lags, true, *weights, output_weights);
                 jitter(setup, self.iteration, &mut output);
                 see(&self.points, self.setup.margin, &mut self.seen);
                 self.phase = Phase::Output(Box::new(output), targets);

@@ -8,13 +8,14 @@ use glam::DVec2;
 use crate::domain::Boundary;
 use crate::engine::view::{GRAM_LAYERS, Grid, Lags, Region, Stage, View, boundary_of_lags, image_sizes};
 use crate::method::filters::{FilterBank, LAYERS, STRIDES};
+use crate::method::{Bands, Weights};
 use crate::synthesis::LossTerms;
 
 use super::convolution::{Convolution, Direction, Filters, Geometry, Source, Tile, Workspace};
 use super::correlation::Correlation;
-use super::gabor::{Gabor, MAPS};
+use super::gabor::Gabor;
 use super::gram::Gram;
-use super::lanes::{LANES, padded};
+use super::lanes::padded;
 use super::normalization::Statistics;
 use super::parallel::for_each_chunk;
 use super::real::Real;
@@ -35,15 +36,16 @@ pub(crate) fn geometries(height: usize, width: usize, boundary: Boundary) -> [Ge
 #[derive(Debug)]
 pub struct Network<T> {
     channels: usize,
+    maps: usize,
     layers: Vec<Filters<T>>,
 }
 
 /// The tile of each layer that suits an output of this size.
 #[must_use]
-pub fn best_tiles(channels: usize, height: usize, width: usize, boundary: Boundary) -> [Tile; LAYERS] {
+pub fn best_tiles(channels: usize, height: usize, width: usize, boundary: Boundary, bands: Bands) -> [Tile; LAYERS] {
     let geometries = geometries(height, width, boundary);
     std::array::from_fn(|layer| {
-        let inputs = if layer == 0 { MAPS } else { channels };
+        let inputs = if layer == 0 { bands.maps() } else { channels };
         Tile::best(&geometries[layer], inputs, channels)
     })
 }
@@ -55,19 +57,25 @@ impl<T: Real> Network<T> {
         let layers = (0..LAYERS)
             .map(|layer| Filters::new(&bank.layers[layer], bank.inputs(layer), bank.channels, tiles[layer]))
             .collect();
-        Self { channels: bank.channels, layers }
+        Self { channels: bank.channels, maps: bank.inputs(0), layers }
     }
 
     /// Bytes that [`Self::new`] allocates.
     #[must_use]
-    pub fn bytes_for(channels: usize, tiles: [Tile; LAYERS]) -> usize {
+    pub fn bytes_for(channels: usize, tiles: [Tile; LAYERS], bands: Bands) -> usize {
         let outputs = padded(channels);
         (0..LAYERS)
             .map(|layer| {
-                let inputs = if layer == 0 { LANES } else { outputs };
+                let inputs = if layer == 0 { padded(bands.maps()) } else { outputs };
                 tiles[layer].frequencies() * 2 * inputs * outputs * size_of::<T>()
             })
             .sum()
+    }
+
+    /// How many maps the first layer sees.
+    #[must_use]
+    pub fn maps(&self) -> usize {
+        self.maps
     }
 
     /// The tile of each layer.
@@ -129,7 +137,7 @@ pub struct Evaluation<T: Real> {
     sizes: [(usize, usize); LAYERS + 1],
     convolutions: Vec<Convolution>,
     gabor: Gabor<T>,
-    /// Gabor maps `[height, width, LANES]`.
+    /// Gabor maps `[height, width, maps]`, padded.
     maps: Vec<T>,
     /// Outputs of the convolutions, before normalisation.
     images: Vec<Vec<T>>,
@@ -147,18 +155,20 @@ pub struct Evaluation<T: Real> {
 
 fn workspace_layers(
     channels: usize,
+    maps: usize,
     tiles: [Tile; LAYERS],
     geometries: &[Geometry; LAYERS],
 ) -> [(Geometry, Tile, usize, usize); LAYERS] {
     std::array::from_fn(|layer| {
-        let inputs = if layer == 0 { MAPS } else { channels };
+        let inputs = if layer == 0 { maps } else { channels };
         (geometries[layer], tiles[layer], inputs, channels)
     })
 }
 
 impl<T: Real> Evaluation<T> {
     /// Space for `points` points seen through `view`; with a gradient, or only the statistics. `weights` are those of
-    /// the Gram and of the correlation loss.
+    /// the Gram and of the correlation loss, `map_weights` those of the points; they must have the bands that the
+    /// network was made for.
     #[must_use]
     pub fn new(
         network: Arc<Network<T>>,
@@ -167,8 +177,10 @@ impl<T: Real> Evaluation<T> {
         lags: Lags,
         with_gradient: bool,
         weights: [f64; 2],
+        map_weights: &Weights,
     ) -> Self {
         let Grid { height, width, boundary, .. } = view.grid;
+        let stored_maps = padded(map_weights.bands().maps());
         let channels = padded(network.channels);
         let sizes = image_sizes(height, width);
         let geometries = geometries(height, width, boundary);
@@ -179,14 +191,15 @@ impl<T: Real> Evaluation<T> {
         let program = program(&convolutions, with_gradient);
         Self {
             regions,
-            gabor: Gabor::new(view.grid, view.wave, points),
-            maps: vec![T::ZERO; height * width * LANES],
+            gabor: Gabor::new(view.grid, view.wave, points, map_weights),
+            maps: vec![T::ZERO; height * width * stored_maps],
             images: (0..LAYERS).map(|layer| vec![T::ZERO; pixels(layer) * channels]).collect(),
             statistics: (0..LAYERS).map(|layer| Statistics::new(sizes[layer + 1].0, channels)).collect(),
             grams: (0..GRAM_LAYERS).map(|_| Gram::new(channels, network.channels)).collect(),
             correlation: Correlation::new(regions[LAYERS - 1], lags, boundary_of_lags(view), network.channels),
-            workspace: Workspace::new(&workspace_layers(network.channels, network.tiles(), &geometries)),
-            gradient: if with_gradient { vec![T::ZERO; pixels(0) * channels] } else { Vec::new() },
+            workspace: Workspace::new(&workspace_layers(network.channels, network.maps, network.tiles(), &geometries)),
+            // It ends as the gradient of the maps, which have as many pixels as the first layer's image.
+            gradient: if with_gradient { vec![T::ZERO; pixels(0) * channels.max(stored_maps)] } else { Vec::new() },
             network,
             sizes,
             convolutions,
@@ -206,18 +219,19 @@ impl<T: Real> Evaluation<T> {
         points: usize,
         lags: Lags,
         with_gradient: bool,
+        bands: Bands,
     ) -> usize {
         let Grid { height, width, boundary, .. } = view.grid;
-        let (sizes, outputs) = (image_sizes(height, width), padded(channels));
+        let (sizes, outputs, maps) = (image_sizes(height, width), padded(channels), padded(bands.maps()));
         let images: usize = sizes[1..].iter().map(|(h, w)| h * w * outputs).sum();
-        let gradient = if with_gradient { sizes[1].0 * sizes[1].1 * outputs } else { 0 };
+        let gradient = if with_gradient { sizes[1].0 * sizes[1].1 * outputs.max(maps) } else { 0 };
         let geometries = geometries(height, width, boundary);
-        (height * width * LANES + images + gradient) * size_of::<T>()
-            + Gabor::<T>::bytes_for(&view.grid, &view.wave, points)
+        (height * width * maps + images + gradient) * size_of::<T>()
+            + Gabor::<T>::bytes_for(&view.grid, &view.wave, points, bands)
             + sizes[1..].iter().map(|&(h, _)| Statistics::<T>::bytes_for(h, outputs)).sum::<usize>()
             + GRAM_LAYERS * Gram::<T>::bytes_for(outputs)
             + Correlation::<T>::bytes_for(view.last_region(), lags, boundary_of_lags(view), channels)
-            + Workspace::<T>::bytes_for(&workspace_layers(channels, tiles, &geometries))
+            + Workspace::<T>::bytes_for(&workspace_layers(channels, bands.maps(), tiles, &geometries))
     }
 
     /// The stage the next step belongs to.
@@ -320,8 +334,7 @@ impl<T: Real> Evaluation<T> {
 
     /// Gradient with respect to every point of `first …`, after a complete pass.
     pub fn point_gradients(&mut self, first: usize) -> &[[f64; 2]] {
-        let maps = self.sizes[0].0 * self.sizes[0].1 * LANES;
-        self.gabor.gradients(&self.gradient[..maps], first)
+        self.gabor.gradients(&self.gradient[..self.maps.len()], first)
     }
 
     /// The statistics of the last complete pass, as targets for another side.
@@ -358,7 +371,7 @@ impl<T: Real> Evaluation<T> {
         self.correlation.values()
     }
 
-    /// The Gabor maps of the last pass, `[height, width, LANES]`.
+    /// The Gabor maps of the last pass, `[height, width, maps]`, padded.
     #[must_use]
     pub fn maps(&self) -> &[T] {
         &self.maps

@@ -7,8 +7,9 @@ use super::kernel::{Dispatch, Shader, folded};
 use super::network::Io;
 use super::plan::Need;
 use crate::domain::Boundary;
-use crate::engine::cpu::lanes::LANES;
+use crate::engine::cpu::lanes::padded;
 use crate::engine::view::{Stage, View, window};
+use crate::method::{Bands, Weights};
 
 /// As in the shader.
 #[repr(C)]
@@ -27,6 +28,9 @@ struct Frame {
     scale: f32,
     periodic: u32,
     jitter: u32,
+    bands: u32,
+    stored: u32,
+    lone: u32,
 }
 
 /// Columns and rows of cells: each at least as large as a point's reach, which is half its window and a pixel.
@@ -41,7 +45,7 @@ pub(super) fn jitter_len(view: &View) -> usize {
 }
 
 /// Buffers of [`Gabor::new`].
-pub(super) fn needs(view: &View, points: usize) -> Vec<Need> {
+pub(super) fn needs(view: &View, points: usize, bands: Bands) -> Vec<Need> {
     let [rows, columns] = window(&view.grid, &view.wave);
     let [across, down] = cells(view);
     let places = points * (rows + columns);
@@ -52,29 +56,43 @@ pub(super) fn needs(view: &View, points: usize) -> Vec<Need> {
         ("cells of points", points),
         ("cells", across * down + 1),
         ("sorted points", points),
-        ("Gabor maps", view.grid.height * view.grid.width * LANES),
+        ("Gabor maps", view.grid.height * view.grid.width * padded(bands.maps())),
+        ("weights of points", points * bands.count()),
     ]
 }
 
 /// Maps and gradients on one grid.
 #[derive(Debug)]
 pub(super) struct Gabor {
-    /// `[height, width, LANES]`.
+    /// `[height, width, maps]`, padded.
     pub(super) maps: wgpu::Buffer,
     frame: wgpu::Buffer,
     starts: wgpu::Buffer,
     tables: wgpu::Buffer,
     slopes: wgpu::Buffer,
-    window: usize,
+    weights: wgpu::Buffer,
+    /// Work of gathering the gradient of one point.
+    gathering: usize,
     moving: usize,
     forward: Vec<Dispatch>,
 }
 
 impl Gabor {
-    /// For `points` points of which those from `first` on move; `margin` is how far the grid reaches beyond the
-    /// domain, in exemplar units.
-    pub(super) fn new(gpu: &Gpu, view: &View, margin: f64, [points, first]: [usize; 2], io: &Io) -> Self {
-        let [starts, tables, slopes, cell_of, cell_starts, order, maps] = gpu.buffers(&needs(view, points));
+    /// For `points` points of which those from `first` on move, and their weights; `margin` is how far the grid
+    /// reaches beyond the domain, in exemplar units.
+    pub(super) fn new(
+        gpu: &Gpu,
+        view: &View,
+        margin: f64,
+        [points, first]: [usize; 2],
+        weights: &Weights,
+        io: &Io,
+    ) -> Self {
+        let bands = weights.bands();
+        let values: Vec<f32> = weights.values(points).map(|weight| weight as f32).collect();
+        let [starts, tables, slopes, cell_of, cell_starts, order, maps, weights] =
+            gpu.buffers(&needs(view, points, bands));
+        gpu.queue.write_buffer(&weights, 0, bytemuck::cast_slice(&values));
 
         let (grid, wave) = (view.grid, view.wave);
         let [rows, columns] = window(&grid, &wave);
@@ -95,6 +113,9 @@ impl Gabor {
                 scale: wave.scale as f32,
                 periodic: u32::from(grid.boundary == Boundary::Periodic),
                 jitter: jitter_len(view) as u32,
+                bands: bands.count() as u32,
+                stored: padded(bands.maps()) as u32,
+                lone: bands.lone.into(),
             },
         );
         let kernel = |entry| gpu.kernel(Shader::Gabor, entry, &[]);
@@ -131,13 +152,15 @@ impl Gabor {
             Dispatch::new(
                 gpu,
                 &kernel("sum_maps"),
-                &[(0, &frame), (4, &starts), (5, &tables), (8, &cell_starts), (9, &order), (10, &maps)],
-                [grid.width.div_ceil(8), grid.height.div_ceil(8), 1],
+                &[(0, &frame), (4, &starts), (5, &tables), (8, &cell_starts), (9, &order), (10, &maps), (12, &weights)],
+                [grid.width.div_ceil(8), grid.height.div_ceil(8), bands.count()],
                 Stage::Gabor,
-                pixels as f64 * 20.0 * asked,
+                (pixels * bands.count()) as f64 * 20.0 * asked,
             ),
         ];
-        Self { maps, frame, starts, tables, slopes, window: rows * columns, moving: points - first, forward }
+        // Every further band adds its gradient to the first one's.
+        let gathering = rows * columns * (50 + 10 * bands.count());
+        Self { maps, frame, starts, tables, slopes, weights, gathering, moving: points - first, forward }
     }
 
     /// Points to maps.
@@ -145,7 +168,7 @@ impl Gabor {
         std::mem::take(&mut self.forward)
     }
 
-    /// Gradient of the maps, `[height, width, LANES]`, to that of the moving points.
+    /// Gradient of the maps, `[height, width, maps]`, to that of the moving points.
     pub(super) fn backward(&self, gpu: &Gpu, map_gradient: &wgpu::Buffer, gradients: &wgpu::Buffer) -> Dispatch {
         Dispatch::new(
             gpu,
@@ -157,10 +180,11 @@ impl Gabor {
                 (6, &self.slopes),
                 (10, map_gradient),
                 (11, gradients),
+                (12, &self.weights),
             ],
             [self.moving, 1, 1],
             Stage::GaborGradient,
-            60.0 * (self.moving * self.window) as f64,
+            (self.moving * self.gathering) as f64,
         )
     }
 }

@@ -246,7 +246,7 @@ impl GpuEngine {
         allowed_bytes: u64,
     ) -> Result<Self, GpuError> {
         let plan = Plan::new(&setup, channels, points.len(), allowance(gpu, allowed_bytes))?;
-        let network = GpuNetwork::new(gpu, setup.seed, channels, &plan, before);
+        let network = GpuNetwork::new(gpu, &setup, channels, &plan, before);
         let count = setup.exemplar.len();
         let io = Io::new(gpu, &setup.exemplar_view, count);
         gpu.queue.write_buffer(&io.points, 0, bytemuck::cast_slice(&singles(&setup.exemplar)));

@@ -16,8 +16,8 @@ use crate::engine::cpu::convolution::Direction;
 use crate::engine::cpu::lanes::padded;
 use crate::engine::cpu::network::geometries;
 use crate::engine::view::{GRAM_LAYERS, View, image_sizes};
-use crate::method::FilterBank;
 use crate::method::filters::LAYERS;
+use crate::method::{Bands, FilterBank};
 
 /// Most iterations between two looks at the results: convergence is tested every ten.
 pub(super) const LONGEST_BATCH: usize = 10;
@@ -28,6 +28,7 @@ pub struct GpuNetwork {
     gpu: Arc<Gpu>,
     channels: usize,
     seed: u64,
+    bands: Bands,
     layers: Vec<DeviceFilters>,
     spectra: [wgpu::Buffer; 2],
     numbers: usize,
@@ -35,20 +36,27 @@ pub struct GpuNetwork {
 
 impl GpuNetwork {
     /// The filters for a scale, taking those of an earlier one if they fit.
-    pub(super) fn new(gpu: &Arc<Gpu>, seed: u64, channels: usize, plan: &Plan, before: Option<Arc<Self>>) -> Arc<Self> {
+    pub(super) fn new(
+        gpu: &Arc<Gpu>,
+        setup: &ScaleSetup,
+        channels: usize,
+        plan: &Plan,
+        before: Option<Arc<Self>>,
+    ) -> Arc<Self> {
+        let (seed, bands) = (setup.seed, setup.exemplar_weights.bands());
         if let Some(before) = before
             && Arc::ptr_eq(&before.gpu, gpu)
-            && (before.channels, before.seed) == (channels, seed)
+            && (before.channels, before.seed, before.bands) == (channels, seed, bands)
             && before.numbers >= plan.spectra
         {
             return before;
         }
-        let bank = FilterBank::random(seed, channels);
+        let bank = FilterBank::for_bands(seed, channels, bands);
         let layers = (0..LAYERS)
             .map(|layer| DeviceFilters::new(gpu, &bank.layers[layer], bank.inputs(layer), channels))
             .collect();
         let spectra = ["spectra", "products"].map(|label| gpu.storage(label, plan.spectra));
-        Arc::new(Self { gpu: Arc::clone(gpu), channels, seed, layers, spectra, numbers: plan.spectra })
+        Arc::new(Self { gpu: Arc::clone(gpu), channels, seed, bands, layers, spectra, numbers: plan.spectra })
     }
 
     fn workspace(&self) -> Workspace<'_> {
@@ -85,8 +93,9 @@ pub(super) struct Io {
     pub(super) losses: wgpu::Buffer,
 }
 
-/// Buffers of [`Io`] and of the images in [`Evaluation::new`].
-pub(super) fn needs(view: &View, channels: usize, points: usize, with_gradient: bool) -> Vec<Need> {
+/// Buffers of [`Io`] and of the images in [`Evaluation::new`]: of `channels`, and the gradient's of `widest`, for it
+/// ends as the gradient of the maps.
+pub(super) fn needs(view: &View, [channels, widest]: [usize; 2], points: usize, with_gradient: bool) -> Vec<Need> {
     let sizes = image_sizes(view.grid.height, view.grid.width);
     let mut needs = vec![
         ("points", 2 * points),
@@ -99,7 +108,7 @@ pub(super) fn needs(view: &View, channels: usize, points: usize, with_gradient: 
     ];
     needs.extend(sizes[1..].iter().map(|(height, width)| ("images", height * width * channels)));
     if with_gradient {
-        let image = sizes[1].0 * sizes[1].1 * channels;
+        let image = sizes[1].0 * sizes[1].1 * widest;
         needs.extend([("gradient of an image", image), ("gradient of an image", image)]);
     }
     needs
@@ -109,7 +118,7 @@ impl Io {
     /// Room for `points` points on the grid of `view`, no jitter.
     pub(super) fn new(gpu: &Gpu, view: &View, points: usize) -> Self {
         let [points, progress, shifts, gradients, moments, corrections, losses] =
-            gpu.buffers(&needs(view, 0, points, false));
+            gpu.buffers(&needs(view, [0; 2], points, false));
         Self { points, progress, shifts, gradients, moments, corrections, losses }
     }
 }
@@ -149,7 +158,8 @@ impl Evaluation {
         let regions = view.regions();
         let [gram_weight, correlation_weight] = setup.weights;
 
-        let mut gabor = Gabor::new(gpu, view, setup.margin, [points, first], io);
+        let weights = if targets.is_some() { &setup.output_weights } else { &setup.exemplar_weights };
+        let mut gabor = Gabor::new(gpu, view, setup.margin, [points, first], weights, io);
         let images: Vec<wgpu::Buffer> =
             sizes[1..].iter().map(|(height, width)| gpu.storage("images", height * width * channels)).collect();
         let normalizations: Vec<Normalization> =
@@ -184,7 +194,7 @@ impl Evaluation {
 
         let mut checkpoints = Vec::new();
         if targets.is_some() {
-            let image_len = sizes[1].0 * sizes[1].1 * channels;
+            let image_len = sizes[1].0 * sizes[1].1 * channels.max(padded(network.bands.maps()));
             let mut gradients = ["gradient of an image"; 2].map(|label| gpu.storage(label, image_len));
             program.extend(correlation.backward(gpu, &gradients[0]));
             for layer in (0..LAYERS).rev() {

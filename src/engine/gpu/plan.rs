@@ -6,6 +6,7 @@ use crate::engine::cpu::convolution::{Geometry, Tile};
 use crate::engine::cpu::lanes::padded;
 use crate::engine::cpu::network::geometries;
 use crate::engine::view::View;
+use crate::method::Bands;
 use crate::method::filters::LAYERS;
 
 use super::{correlation, gabor, gram, network, normalization};
@@ -52,27 +53,29 @@ impl Plan {
         points: usize,
         allowed: Allowance,
     ) -> Result<Self, GpuError> {
+        let bands = setup.exemplar_weights.bands();
         let outputs = padded(channels);
+        let widest = outputs.max(padded(bands.maps()));
         let longest = |view: &View| {
             let grid = view.grid;
             let tiles = |geometry: &Geometry| geometry.tiles(TILE);
             geometries(grid.height, grid.width, grid.boundary).iter().map(tiles).max().unwrap_or(0)
         };
         let tiles = longest(&setup.output_view).max(longest(&setup.exemplar_view));
-        let one = spectrum_len(outputs);
+        let one = spectrum_len(widest);
         let cap = SPECTRA_CAP.min((allowed.buffer / 4) as usize);
         let spectra = (tiles.min(allowed.tiles) * one).min(cap.max(one));
 
         let side = |view: &View, points: usize, with_gradient: bool| {
-            let mut needs = gabor::needs(view, points);
+            let mut needs = gabor::needs(view, points, bands);
             needs.extend(normalization::needs(view, outputs));
             needs.extend(gram::needs(view, outputs));
             needs.extend(correlation::needs(view, setup.lags, channels));
-            needs.extend(network::needs(view, outputs, points, with_gradient));
+            needs.extend(network::needs(view, [outputs, widest], points, with_gradient));
             needs
         };
         let mut shared: Vec<Need> = vec![("spectra", spectra), ("spectra", spectra)];
-        shared.extend(filter_needs(channels));
+        shared.extend(filter_needs(channels, bands));
         let (exemplar, output) =
             (side(&setup.exemplar_view, setup.exemplar.len(), false), side(&setup.output_view, points, true));
         for &(what, numbers) in shared.iter().chain(&exemplar).chain(&output) {
@@ -101,11 +104,11 @@ impl Plan {
 }
 
 /// The filters of all layers, both ways.
-fn filter_needs(channels: usize) -> Vec<Need> {
+fn filter_needs(channels: usize, bands: Bands) -> Vec<Need> {
     let outputs = padded(channels);
     (0..LAYERS)
         .flat_map(|layer| {
-            let inputs = if layer == 0 { crate::engine::cpu::lanes::LANES } else { outputs };
+            let inputs = if layer == 0 { padded(bands.maps()) } else { outputs };
             let numbers = TILE.frequencies() * 2 * inputs * outputs;
             [("filters", numbers), ("filters", numbers)]
         })

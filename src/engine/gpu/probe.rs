@@ -21,7 +21,7 @@ use crate::engine::cpu::network as cpu;
 use crate::engine::cpu::{Float, shifts};
 use crate::engine::view::Stage;
 use crate::method::schedule::Scale;
-use crate::method::{FilterBank, Parameters, Preset};
+use crate::method::{Bands, FilterBank, Parameters, Preset, Weights};
 use crate::sampling::{Purpose, Rng, white_noise};
 
 /// Sums of a few thousand products in single precision, in another order and with exponentials good to a few digits
@@ -43,13 +43,34 @@ pub struct Case {
     pub points: usize,
     /// What lies beyond the border, on both sides.
     pub boundary: Boundary,
+    /// The bands of maps; with more than one, points have weights of all signs, and some have none.
+    pub bands: Bands,
 }
 
 impl Case {
-    /// What every visitor's device has to get right before it is used: uneven sizes, several tiles, padded channels.
+    /// What every visitor's device has to get right before it is used: uneven sizes, several tiles, padded channels,
+    /// in a tile also weights, in bands of all kinds.
     #[must_use]
     pub fn small(boundary: Boundary) -> Self {
-        Self { channels: 7, resolution: 24, output: [1.5, 1.0], points: 12, boundary }
+        let bands = match boundary {
+            Boundary::Open => Bands::default(),
+            Boundary::Periodic => Bands { lone: true, full: 1, waves: 1 },
+        };
+        Self { channels: 7, resolution: 24, output: [1.5, 1.0], points: 12, boundary, bands }
+    }
+
+    /// How many points the output has.
+    fn count(&self) -> usize {
+        ((self.points as f64 * self.output[0] * self.output[1]) as usize).max(1)
+    }
+
+    fn weights(&self, points: usize) -> Weights {
+        if self.bands == Bands::default() {
+            return Weights::default();
+        }
+        let mut rng = Rng::new(11, Purpose::Gallery);
+        let mut weight = || (rng.range(-1.0, 1.2) * 4.0).round() / 4.0;
+        Weights::new(self.bands, (0..points * self.bands.count()).map(|_| weight()).collect())
     }
 
     fn setup(&self) -> ScaleSetup {
@@ -57,7 +78,11 @@ impl Case {
         let scale = Scale { sigma: 0.1, resolution: self.resolution as f64, learning_rate: 0.01, iterations: 10 };
         let exemplar = white_noise(&mut Rng::new(7, Purpose::Gallery), DVec2::ONE, self.points);
         let output = DVec2::from(self.output);
-        ScaleSetup::new(&parameters, &scale, (0, 0), exemplar, DVec2::ONE, self.boundary, output)
+        ScaleSetup {
+            exemplar_weights: self.weights(self.points),
+            output_weights: self.weights(self.count()),
+            ..ScaleSetup::new(&parameters, &scale, (0, 0), exemplar, DVec2::ONE, self.boundary, output)
+        }
     }
 }
 
@@ -175,25 +200,27 @@ const GRADIENTS: [&str; 5] = [
 /// When the device fails, or has no room for the case.
 pub async fn compare(gpu: &Arc<Gpu>, case: Case) -> Result<Vec<Deviation>, GpuError> {
     let setup = case.setup();
-    let Case { channels, boundary, .. } = case;
+    let Case { channels, boundary, bands, .. } = case;
     let outputs = padded(channels);
-    let count = ((case.points as f64 * case.output[0] * case.output[1]) as usize).max(1);
+    let count = case.count();
     let points = white_noise(&mut Rng::new(3, Purpose::Gallery), setup.output_size, count);
     // Some are frozen.
     let first = count / 4;
 
     // The CPU's side.
     let grid = setup.output_view.grid;
-    let bank = FilterBank::random(setup.seed, channels);
-    let tiles = cpu::best_tiles(channels, grid.height, grid.width, boundary);
+    let bank = FilterBank::for_bands(setup.seed, channels, bands);
+    let tiles = cpu::best_tiles(channels, grid.height, grid.width, boundary, bands);
     let network = Arc::new(cpu::Network::<Float>::new(&bank, tiles));
     let see = |points: &[DVec2]| points.iter().map(|point| point + setup.margin).collect::<Vec<_>>();
-    let mut exemplar =
-        cpu::Evaluation::new(Arc::clone(&network), &setup.exemplar_view, case.points, setup.lags, false, setup.weights);
+    let ScaleSetup { exemplar_view, output_view, lags, weights, exemplar_weights, output_weights, .. } = &setup;
+    let (lags, weights) = (*lags, *weights);
+    let side = Arc::clone(&network);
+    let mut exemplar = cpu::Evaluation::new(side, exemplar_view, case.points, lags, false, weights, exemplar_weights);
     let seen = see(&setup.exemplar);
     while !exemplar.advance(&seen, None) {}
-    let targets = exemplar.targets(setup.lags);
-    let mut output = cpu::Evaluation::new(network, &setup.output_view, count, setup.lags, true, setup.weights);
+    let targets = exemplar.targets(lags);
+    let mut output = cpu::Evaluation::new(network, output_view, count, lags, true, weights, output_weights);
     for (shift, value) in output.shifts_mut().iter_mut().flatten().zip(shifts(&setup, 0)) {
         *shift = value;
     }
@@ -214,7 +241,7 @@ pub async fn compare(gpu: &Arc<Gpu>, case: Case) -> Result<Vec<Deviation>, GpuEr
     // The device's side.
     let allowed = allowance(gpu, u64::MAX);
     let plan = Plan::new(&setup, channels, count, allowed)?;
-    let device_network = GpuNetwork::new(gpu, setup.seed, channels, &plan, None);
+    let device_network = GpuNetwork::new(gpu, &setup, channels, &plan, None);
     let io = Io::new(gpu, &setup.exemplar_view, case.points);
     gpu.queue.write_buffer(&io.points, 0, bytemuck::cast_slice(&singles(&setup.exemplar)));
     let all = [case.points, case.points];

@@ -1,0 +1,251 @@
+//! Which maps the first layer sees, and what every point weighs in them.
+//!
+//! The maps come in *bands*: sets in which each point has one weight. A pattern of plain points has one band, in which
+//! every point weighs 1. Every attribute has a band of the nine frequencies (Huang et al. 2022, §4.5; every pair of map
+//! and attribute), and classes that are to be told apart have a band of all ten maps each, in which the others weigh 0.
+
+use crate::pattern::{Attribute, Meaning, PointPattern};
+
+use super::filters::{DISTINCT_MAPS, PAPER_MAPS};
+use super::parameters::ClassMaps;
+
+/// The maps in their order: the Gaussian alone, then bands of ten maps, then bands of nine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bands {
+    /// Whether the first band is the plain Gaussian alone.
+    pub lone: bool,
+    /// Bands of the paper's ten maps: the Gaussian and nine frequencies.
+    pub full: usize,
+    /// Bands of the nine frequencies.
+    pub waves: usize,
+}
+
+impl Default for Bands {
+    fn default() -> Self {
+        Self { lone: false, full: 1, waves: 0 }
+    }
+}
+
+impl Bands {
+    /// How many bands there are.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        self.lone as usize + self.full + self.waves
+    }
+
+    /// Distinct maps of all bands: of ten or nine five are, see [`super::filters::DISTINCT_OF_PAPER`].
+    #[must_use]
+    pub const fn maps(&self) -> usize {
+        self.first(self.count())
+    }
+
+    /// The paper's maps of all bands.
+    #[must_use]
+    pub const fn paper_maps(&self) -> usize {
+        self.lone as usize + PAPER_MAPS * self.full + (PAPER_MAPS - 1) * self.waves
+    }
+
+    /// The first map of a band.
+    #[must_use]
+    pub const fn first(&self, band: usize) -> usize {
+        if self.lone && band > 0 { DISTINCT_MAPS * (band - 1) + 1 } else { DISTINCT_MAPS * band }
+    }
+
+    /// Whether a band is the Gaussian alone.
+    #[must_use]
+    pub const fn is_lone(&self, band: usize) -> bool {
+        self.lone && band == 0
+    }
+
+    /// How many of the paper's maps a band holds.
+    pub(super) const fn paper_maps_of(&self, band: usize) -> usize {
+        if self.is_lone(band) {
+            1
+        } else if band < self.lone as usize + self.full {
+            PAPER_MAPS
+        } else {
+            PAPER_MAPS - 1
+        }
+    }
+}
+
+/// What every point weighs in every band.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Weights {
+    bands: Bands,
+    values: Vec<f64>,
+}
+
+impl Weights {
+    /// `values` is `[points, bands]`, row-major; what is missing weighs 1.
+    #[must_use]
+    pub fn new(bands: Bands, values: Vec<f64>) -> Self {
+        Self { bands, values }
+    }
+
+    /// The bands.
+    #[must_use]
+    pub fn bands(&self) -> Bands {
+        self.bands
+    }
+
+    /// The weights of `points` points, `[points, bands]`.
+    pub fn values(&self, points: usize) -> impl Iterator<Item = f64> {
+        let len = points * self.bands.count();
+        self.values.iter().copied().chain(std::iter::repeat(1.0)).take(len)
+    }
+
+    /// The weights of points that carry what the exemplar's points `sources` do. `columns` are those of
+    /// [`columns`], `classes` the class of every exemplar point; `placed` are the classes seen, the moving one last.
+    #[must_use]
+    pub fn of(columns: &[Vec<f64>], classes: &[u16], placed: &[usize], maps: ClassMaps, sources: &[usize]) -> Self {
+        // The moving class first, so that its band is always the same one.
+        let band_of = |class: u16| match maps {
+            ClassMaps::Pooled => 0,
+            ClassMaps::Separate => usize::from(placed.last() != Some(&usize::from(class))),
+            ClassMaps::Each => placed.iter().rev().position(|&other| other == usize::from(class)).unwrap_or(0),
+        };
+        let full = match maps {
+            ClassMaps::Pooled => 1,
+            ClassMaps::Separate => placed.len().min(2),
+            ClassMaps::Each => placed.len(),
+        };
+        let waves = columns.len();
+        // With attributes one band of unweighted points is the Gaussian alone, as in the paper.
+        let lone = full < 2 && waves > 0;
+        let bands = Bands { lone, full: if lone { 0 } else { full.max(1) }, waves };
+        if bands == Bands::default() {
+            return Self::default();
+        }
+        let mut values = Vec::with_capacity(sources.len() * bands.count());
+        for &source in sources {
+            let own = band_of(classes[source]);
+            values.extend((0..bands.count() - waves).map(|band| if band == own { 1.0 } else { 0.0 }));
+            values.extend(columns.iter().map(|column| column[source]));
+        }
+        Self { bands, values }
+    }
+}
+
+/// What every exemplar point weighs in the bands of its attributes, one list a band.
+///
+/// Sizes and whatever else is positive weigh their value over the largest (Huang et al. 2022, §4.5). Of other values
+/// the origin means nothing: a point at depth 0 must not vanish, so they weigh ½ (least) to 1 (largest). An angle has
+/// two bands, its cosine and its sine: 359° and 1° are neighbours, and no direction weighs more than another. An
+/// attribute that is the same everywhere says nothing, and has none.
+#[must_use]
+pub fn columns(exemplar: &PointPattern) -> Vec<Vec<f64>> {
+    let mut columns = Vec::new();
+    for attribute in exemplar.attributes() {
+        let Attribute { values, .. } = attribute;
+        let (least, most) = attribute.range();
+        let mut push = |weight: &dyn Fn(f64) -> f64| {
+            let column: Vec<f64> = values.iter().map(|&value| weight(value)).collect();
+            if column.iter().any(|weight| (weight - column[0]).abs() > 1e-9) {
+                columns.push(column);
+            }
+        };
+        match attribute.meaning() {
+            Meaning::Angle => {
+                // Reduced first: a large angle in radians has lost digits.
+                let radians = |degrees: f64| (degrees % 360.0).to_radians();
+                push(&|value| libm::cos(radians(value)));
+                push(&|value| libm::sin(radians(value)));
+            }
+            Meaning::Size => push(&|value| value / most),
+            Meaning::Other if least > 0.0 => push(&|value| value / most),
+            // Halved before they are subtracted: the span of the largest numbers is not one.
+            Meaning::Other => push(&|value| 0.5 + 0.5 * (value / 2.0 - least / 2.0) / (most / 2.0 - least / 2.0)),
+        }
+    }
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Domain;
+    use glam::DVec2;
+
+    fn pattern(attributes: &[(&str, [f64; 4])]) -> PointPattern {
+        let positions = (0..4).map(|i| DVec2::splat(0.2 * f64::from(i))).collect();
+        let mut pattern = PointPattern::new(Domain::UNIT, positions).unwrap_or_else(|e| unreachable!("{e}"));
+        for (name, values) in attributes {
+            let attribute = Attribute { name: (*name).to_owned(), values: values.to_vec() };
+            pattern = pattern.with_attribute(attribute).unwrap_or_else(|e| unreachable!("{e}"));
+        }
+        pattern
+    }
+
+    #[test]
+    fn weights_of_values_by_their_meaning() {
+        let exemplar = pattern(&[
+            ("radius", [0.0, 1.0, 2.0, 4.0]),
+            ("height", [3.0, 6.0, 12.0, 3.0]),
+            ("depth", [0.0, 1.0, 0.5, 0.25]),
+            ("charge", [-1.0, 1.0, 1.0, -1.0]),
+            ("huge", [-1.7e308, 1.7e308, 0.0, 0.0]),
+            ("Orientation", [0.0, 90.0, -180.0, 36_000_000_360.0]),
+            ("same", [5.0; 4]),
+            ("scale", [0.0; 4]),
+        ]);
+        let expected = [
+            [0.0, 0.25, 0.5, 1.0],
+            [0.25, 0.5, 1.0, 0.25],
+            [0.5, 1.0, 0.75, 0.625],
+            [0.5, 1.0, 1.0, 0.5],
+            [0.5, 1.0, 0.75, 0.75],
+            [1.0, 0.0, -1.0, 1.0],
+            [0.0, 1.0, 0.0, 0.0],
+        ];
+        let columns = columns(&exemplar);
+        assert_eq!(columns.len(), expected.len(), "what says nothing has no band");
+        for (column, expected) in columns.iter().zip(expected) {
+            for (weight, expected) in column.iter().zip(expected) {
+                assert!((weight - expected).abs() < 1e-12, "{column:?} is not {expected:?}");
+            }
+        }
+        assert!(super::columns(&pattern(&[])).is_empty());
+    }
+
+    #[test]
+    fn every_pair_of_map_and_attribute() {
+        let of = |lone, full, waves| Bands { lone, full, waves };
+        for (bands, count, maps, paper) in [
+            (Bands::default(), 1, 5, 10),
+            (of(true, 0, 1), 2, 6, 10),
+            (of(true, 0, 3), 4, 16, 28),
+            (of(false, 2, 0), 2, 10, 20),
+            (of(false, 16, 9), 25, 125, 241),
+        ] {
+            assert_eq!((bands.count(), bands.maps(), bands.paper_maps()), (count, maps, paper), "{bands:?}");
+            assert_eq!((0..count).map(|band| bands.paper_maps_of(band)).sum::<usize>(), paper);
+            assert!((1..count).all(|band| bands.first(band) > bands.first(band - 1)));
+        }
+    }
+
+    #[test]
+    fn classes_have_bands_of_their_own_where_asked() {
+        let classes = [0, 1, 2, 1];
+        let column = vec![vec![0.1, 0.2, 0.3, 0.4]];
+        let placed = [2, 0, 1];
+        let sources = [0, 1, 2, 3, 3];
+        let values = |columns: &[Vec<f64>], placed: &[usize], maps| {
+            let weights = Weights::of(columns, &classes, placed, maps, &sources);
+            (weights.bands(), weights.values(sources.len()).collect::<Vec<f64>>())
+        };
+        let plain = (Bands::default(), vec![1.0; 5]);
+        assert_eq!(values(&[], &placed, ClassMaps::Pooled), plain);
+        assert_eq!(values(&[], &placed[..1], ClassMaps::Separate), plain, "one class is not told from others");
+        let (bands, weights) = values(&[], &placed, ClassMaps::Separate);
+        assert_eq!((bands.full, weights), (2, vec![0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0]));
+        let (bands, weights) = values(&[], &placed, ClassMaps::Each);
+        assert_eq!((bands.full, &weights[..9]), (3, &[0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0][..]));
+        let (bands, weights) = values(&column, &placed, ClassMaps::Pooled);
+        assert_eq!(bands, Bands { lone: true, full: 0, waves: 1 });
+        assert_eq!(weights, [1.0, 0.1, 1.0, 0.2, 1.0, 0.3, 1.0, 0.4, 1.0, 0.4]);
+        let (bands, weights) = values(&column, &placed, ClassMaps::Separate);
+        assert_eq!(bands, Bands { lone: false, full: 2, waves: 1 });
+        assert_eq!(weights[..6], [0.0, 1.0, 0.1, 1.0, 0.0, 0.2]);
+    }
+}
