@@ -14,7 +14,7 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use clap::Parser;
 use font8x8::{BASIC_FONTS, UnicodeFonts};
-use pointweave::analysis::{Comparison, Defects, Quality};
+use pointweave::analysis::{Comparison, Defects, MarkError, Quality};
 use pointweave::formats::style::Look;
 use pointweave::formats::{draw, encode_png, write_csv};
 use pointweave::gallery::{self, Entry};
@@ -101,6 +101,11 @@ struct Outcome {
     /// The paper's, over its four patches, where there are enough points.
     chamfer: Option<f64>,
     wasserstein: Option<f64>,
+    /// Pair correlations of the classes, and mark correlations of the attributes, where there are any.
+    #[serde(default)]
+    classes: Option<MarkError>,
+    #[serde(default)]
+    marks: Option<MarkError>,
 }
 
 impl Outcome {
@@ -264,6 +269,8 @@ fn run(job: &Job, arguments: &Arguments) -> Result<Outcome> {
         pair_correlation_error: comparison.pair_correlation_error,
         chamfer: comparison.patches.as_ref().map(|patches| patches.chamfer),
         wasserstein: comparison.patches.as_ref().and_then(|patches| patches.wasserstein),
+        classes: comparison.marks.as_ref().and_then(|marks| marks.classes),
+        marks: comparison.marks.as_ref().and_then(|marks| marks.marks),
     };
     write_picture(draw_pair(job.entry, &exemplar, &output, &outcome.words())?, &job.file.with_extension("png"))?;
     let points = job.file.with_extension("csv");
@@ -299,7 +306,7 @@ fn table(outcomes: &[Outcome]) -> String {
         by_entry.entry(&outcome.entry).or_default().push(outcome);
     }
     type Column = (&'static str, fn(&Outcome) -> f64);
-    let columns: [Column; 15] = [
+    let columns: [Column; 19] = [
         ("quality", |o| o.quality.score),
         ("pairs", |o| o.quality.pair_density),
         ("precision", |o| o.quality.precision),
@@ -313,6 +320,10 @@ fn table(outcomes: &[Outcome]) -> String {
         ("PCF error", |o| o.pair_correlation_error),
         ("Chamfer", |o| o.chamfer.unwrap_or(f64::NAN)),
         ("Wasserstein", |o| o.wasserstein.unwrap_or(f64::NAN)),
+        ("class PCFs", |o| o.classes.map_or(f64::NAN, |one| one.error)),
+        ("at random", |o| o.classes.map_or(f64::NAN, |one| one.random)),
+        ("marks", |o| o.marks.map_or(f64::NAN, |one| one.error)),
+        ("at random", |o| o.marks.map_or(f64::NAN, |one| one.random)),
         ("seconds", |o| o.seconds),
         ("processor s", |o| o.processor_seconds.unwrap_or(f64::NAN)),
     ];
@@ -343,7 +354,7 @@ fn table(outcomes: &[Outcome]) -> String {
     let _ = write!(table, "\n| **worst** | |");
     for (column, (name, _)) in columns.iter().enumerate() {
         let low_is_bad = column < 4;
-        let value = if name.starts_with('ρ') || *name == "independent" {
+        let value = if name.starts_with('ρ') || ["independent", "at random"].contains(name) {
             f64::NAN
         } else {
             worst(if low_is_bad { f64::min } else { f64::max }, column)

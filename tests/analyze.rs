@@ -145,6 +145,37 @@ fn a_report_is_drawn() {
 }
 
 #[test]
+fn classes_and_attributes_are_held_against_chance() {
+    let folder = Folder::new("marks");
+    let report = folder.path("report.svg");
+    let table = says(&["gallery:meadow", "gallery:meadow", "--svg", &report], b"");
+    for part in
+        ["at random", "pairs of tree, bush", "all pairs of classes", "mark correlation of scale", "all attributes"]
+    {
+        assert!(table.contains(part), "{table}\nwithout {part}");
+    }
+    let svg = fs::read_to_string(&report).unwrap();
+    for part in
+        ["Classes and attributes", "tree among themselves", "tree and bush", "Mark correlation: depth", "× 1000"]
+    {
+        assert!(svg.contains(part), "no {part}");
+    }
+    assert!(!svg.contains("NaN") && !svg.contains("inf\""));
+    let json = says(&["gallery:boats", "gallery:boats", "--json"], b"");
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let one = &json["comparison"]["marks"]["attributes"][0];
+    assert!(one["name"] == "orientation" && one["error"]["error"] == 0.0, "{one}");
+    assert!(one["error"]["random"].as_f64().unwrap() > 0.05, "{one}");
+    let curve = &json["comparison"]["output"]["mark_correlations"][0]["correlation"];
+    assert!(curve["function"] == "direction" && curve["value"].as_array().unwrap().len() == 100, "{curve}");
+    // One class and no attribute: nothing to say.
+    assert!(!says(&["gallery:hex", "gallery:hex"], b"").contains("at random"));
+    let alone = says(&["gallery:grove", "--svg", &report], b"");
+    assert!(!alone.contains("at random"), "{alone}");
+    assert!(fs::read_to_string(&report).unwrap().contains("Mark correlation: radius"));
+}
+
+#[test]
 fn what_can_not_be_analysed_is_refused() {
     let folder = Folder::new("refused");
     let good = folder.file("good.csv", "0.1 0.1\n0.9 0.9\n0.2 0.7\n");

@@ -165,9 +165,29 @@ fn wrong_command_lines_end_with_2() {
         (&["synth", "gallery:nothing"], &["no 'nothing'", gallery::entries()[0].name]),
         (&["gallery", "nothing"], &["no 'nothing'"]),
         (&["gallery", "-o", "a.csv"], &["NAME"]),
+        (&["gallery", "houses", "--glyph", "house"], &["class=name"]),
+        (&["gallery", "houses", "--glyph", "house=hut"], &["no glyph \"hut\"", "disk, ring, square"]),
+        (&["gallery", "houses", "--glyph", "house=path:M0 0L9 9 z1"], &["position 12 of the path: '1'"]),
+        (&["gallery", "houses", "--glyph", "barn=house"], &["no class 'barn'", "'house', 'tree'"]),
+        (&["gallery", "houses", "--palette", "pink"], &["okabe-ito, bright, ink"]),
+        (&["synth", "gallery:houses", "--glyph", "barn=house"], &["no class 'barn'", "'house', 'tree'"]),
     ] {
         refused(arguments, b"0.1 0.1\n0.9 0.9\n0.2 0.7", 2, parts);
     }
+}
+
+#[test]
+fn glyphs_and_colours_can_be_chosen() {
+    let drawn = |arguments: &[&str]| {
+        let output = run(&[&["gallery", "houses", "--format", "svg"], arguments].concat(), b"");
+        assert!(output.status.success(), "{arguments:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let plain = drawn(&[]);
+    assert!(plain.contains("#d55e00") && plain.contains("#009e73") && !plain.contains("<circle"), "{plain:.900}");
+    let changed = drawn(&["--glyph", "tree=disk", "--glyph", "house=path:M0 0h8v8z", "--palette", "bright"]);
+    assert!(changed.matches("<circle").count() >= 80 && changed.contains("d=\"M-1 -1L1 -1L1 1Z\""), "{changed:.900}");
+    assert!(changed.contains("#ee6677") && changed.contains("#228833"));
 }
 
 #[test]

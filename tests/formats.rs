@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 use glam::DVec2;
-use pointweave::formats::style::Look;
+use pointweave::formats::style::{Look, Palette};
 use pointweave::formats::{
-    FileFormat, FormatError, MAX_BYTES, PngStyle, ReadOptions, Reading, SvgStyle, draw, open, read, write_csv,
+    FileFormat, FormatError, Glyph, MAX_BYTES, PngStyle, ReadOptions, Reading, SvgStyle, draw, open, read, write_csv,
     write_json, write_npy, write_png, write_svg, write_tsv,
 };
 use pointweave::sampling::{Purpose, Rng};
@@ -503,6 +503,15 @@ fn our_own_svg_reads_back() {
     let back = opened(write_svg(&colours, &SvgStyle::default())).pattern;
     assert_eq!(class_of(&back), ["b", "a"]);
     assert!((back.attributes()[0].values[1] - 0.2).abs() < 1e-5);
+    // Glyphs are no circles, but ours, in whatever order they are drawn.
+    let things = good(
+        "# domain 0 0 2 1\nx,y,class,scale,orientation,depth\n0.5,0.5,tree,3,0,2\n1.5,0.25,boat,1,30,1\n1,0.5,house,1,0,3\n",
+    );
+    let back = opened(write_svg(&things, &SvgStyle::default())).pattern;
+    assert_eq!(class_of(&back), ["house", "tree", "boat"]);
+    assert!(back.positions()[1].abs_diff_eq(DVec2::splat(0.5), 3e-6), "{back:?}");
+    let radii = &back.attributes()[0].values;
+    assert!((radii[1] / radii[0] - 3.0).abs() < 0.01, "{radii:?}");
 }
 
 /// A `.npy` file around `data`.
@@ -714,9 +723,10 @@ fn svg_shows_every_point_once_in_its_place() {
     let style = SvgStyle { size_px: 200.0, look: Look { margin: 0.0, ..Look::default() }, ..SvgStyle::default() };
     let svg = write_svg(&pattern, &style);
     assert!(svg.contains("viewBox=\"0 0 200 100\""), "{svg}");
-    assert_eq!(svg.matches("<circle").count(), 3);
+    // The first class is disks, the second squares.
+    assert_eq!((svg.matches("<circle").count(), svg.matches("<use").count()), (2, 1));
     // y points down.
-    for place in ["cx=\"0\" cy=\"0\"", "cx=\"200\" cy=\"100\"", "cx=\"100\" cy=\"50\""] {
+    for place in ["cx=\"0\" cy=\"0\"", "translate(200 100) scale(", "cx=\"100\" cy=\"50\""] {
         assert!(svg.contains(place), "{place} in {svg}");
     }
     assert!(svg.contains("data-class=\"a&lt;b\"") && svg.contains("data-class=\"c&amp;&quot;d\""), "{svg}");
@@ -729,6 +739,40 @@ fn svg_shows_every_point_once_in_its_place() {
     let tile = write_svg(&good("# domain 0 0 20 10 periodic\nx,y\n0,5\n10,5\n"), &style);
     assert_eq!(tile.matches("<circle").count(), 3, "the point on the border shows on both sides");
     assert!(tile.contains("clip-path"));
+}
+
+#[test]
+fn glyphs_are_drawn_alike_in_svg_and_png() {
+    // An arrow that points up, a house behind a tree at the same place, a disk in front of everything.
+    let text =
+        "# domain 0 0 20 10\nx,y,class,scale,orientation,depth\n5,5,arrow,4,90,1\n15,5,tree,4,0,2\n15,5,house,8,0,3\n";
+    let pattern = good(text);
+    let look = Look { margin: 0.0, disk: 0.2, ..Look::default() };
+    let svg = write_svg(&pattern, &SvgStyle { size_px: 200.0, look: look.clone(), ..SvgStyle::default() });
+    let place = |part: &str| svg.find(part).unwrap_or_else(|| panic!("{part} in {svg}"));
+    assert!(place("data-class=\"house\"") < place("data-class=\"tree\""), "what is behind is drawn first");
+    assert!(place("data-class=\"tree\"") < place("data-class=\"arrow\""));
+    assert!(svg.contains("translate(50 50) rotate(-90) scale(") && svg.contains("paint-order=\"stroke\""), "{svg}");
+
+    let at = |look: &Look, x: usize, y: usize| -> [u8; 3] {
+        let (_, _, pixels) = decode(&write_png(&pattern, &PngStyle { size_px: 200, look: look.clone() }).unwrap());
+        pixels[4 * (y * 200 + x)..][..3].try_into().unwrap()
+    };
+    let (blue, red, green, white) = ([0x00, 0x72, 0xb2], [0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73], [255; 3]);
+    // Common radius: 0.04 of 200 pixels at most, times the scale against its mean of 16⁄3.
+    let radius = 8.0 * 4.0 / (16.0 / 3.0);
+    let up = |share: f64| (50.0 - share * radius).round() as usize;
+    assert_eq!((at(&look, 50, up(1.2)), at(&look, 50, up(-1.2))), (blue, white), "the arrow points up");
+    assert_eq!(at(&look, 150, 50), green, "the tree stands before the house");
+    let eaves = (150.0 + 0.85 * 2.0 * radius).round() as usize;
+    assert_eq!(at(&look, eaves, 52), red, "the house is twice as large");
+
+    // A person's own shape, and other colours.
+    let own = Glyph::from_name("path:M0 0L10 0L10 10L0 10ZM2 2L2 8L8 8L8 2Z").unwrap();
+    let look = Look { glyphs: vec![("arrow".to_owned(), own)], palette: Palette::Ink, ..look };
+    assert_eq!((at(&look, 50, 50), at(&look, 50, up(0.8))), (white, [0x22; 3]), "a frame with a hole");
+    let svg = write_svg(&pattern, &SvgStyle { size_px: 200.0, look, ..SvgStyle::default() });
+    assert!(svg.contains("d=\"M-1 -1L1 -1L1 1L-1 1ZM-0.6 -0.6L-0.6 0.6L0.6 0.6L0.6 -0.6Z\""), "{svg}");
 }
 
 /// Width, height and RGBA bytes.

@@ -181,6 +181,12 @@ impl Cloud {
         self
     }
 
+    /// Same points, other classes for them, one a point.
+    pub(super) fn relabelled(mut self, classes: Vec<u16>) -> Self {
+        self.classes = classes;
+        self
+    }
+
     /// The cells that find neighbours and pairs.
     #[must_use]
     pub fn neighbours(&self) -> Neighbours<'_> {

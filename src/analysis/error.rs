@@ -56,11 +56,51 @@ pub enum AnalysisError {
         /// How many points there are.
         points: usize,
     },
+    /// One mark a point is needed.
+    #[error("there are {count} marks for {points} points; one a point is needed")]
+    Marks {
+        /// How many marks there are.
+        count: usize,
+        /// How many points there are.
+        points: usize,
+    },
+    /// A mark that is no number.
+    #[error("the mark of point {index} is {value}, but must be a finite number")]
+    Mark {
+        /// Which point, from 0.
+        index: usize,
+        /// The offending value.
+        value: f64,
+    },
+    /// Products of marks are measured by the square of their mean.
+    #[error("the mean of the marks is {mean}, too near 0 for their products to be measured by it")]
+    NoMeanMark {
+        /// The mean.
+        mean: f64,
+    },
     /// A class that no point belongs to.
     #[error("no point has class {class}")]
     EmptyClass {
         /// The class index.
         class: u16,
+    },
+    /// One radius a point is needed.
+    #[error("there are {count} radii for {points} points; one a point is needed")]
+    Radii {
+        /// How many radii there are.
+        count: usize,
+        /// How many points there are.
+        points: usize,
+    },
+    /// A radius that no disk of the pattern can have.
+    #[error("the disk of point {index} has a radius of {value} exemplar units, but it must lie between 0 and {max}")]
+    Radius {
+        /// Which point, from 0.
+        index: usize,
+        /// Its radius, in the cloud's unit.
+        value: f64,
+        /// Largest allowed radius: half of the longer side.
+        max: f64,
     },
     /// A number of the settings that can't be used.
     #[error("'{name}' is {value}, but must lie between {min} and {max}")]

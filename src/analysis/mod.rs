@@ -9,9 +9,11 @@
 //! | `nearest` | distances to the k-th nearest neighbour | |
 //! | `pair_correlation` | how many neighbours at which distance, also between classes | Öztireli & Gross 2012 |
 //! | `pair_density` | the same with directions | Ohser & Stoyan 1981 |
+//! | `marks` | whether classes and attributes go with places: mark correlation, and the same at random | Stoyan & Stoyan 1994 |
 //! | `spectrum` | periodogram, radial mean | Bartlett 1964, Ulichney 1988 |
 //! | `ripley` | K, L, envelopes of chance | Ripley 1976, Besag 1977 |
 //! | `spacing` | ρ, stacked points, holes, crowded borders | Lagae & Dutré 2008 |
+//! | `overlap` | areas that disks share, relative penetration | |
 //! | `transport` | Chamfer, Wasserstein, the paper's patches | Huang et al. 2022 |
 //! | `neighbourhoods` | neighbourhoods found again: precision, coverage | |
 //! | `quality` | one number: 0 is chance, 1 the exemplar tiled | |
@@ -22,9 +24,11 @@
 mod cloud;
 mod error;
 mod live;
+mod marks;
 mod nearest;
 mod neighbourhoods;
 mod neighbours;
+mod overlap;
 mod pair_correlation;
 mod pair_density;
 mod quality;
@@ -39,11 +43,17 @@ mod verdict;
 pub use cloud::Cloud;
 pub use error::AnalysisError;
 pub use live::{Curves, Live};
+pub use marks::{
+    ASSIGNMENTS, AttributeCorrelation, AttributeError, ClassPairError, MarkComparison, MarkCorrelation, MarkError,
+    MarkFunction, mark_correlation,
+};
 pub use nearest::{Histogram, NEIGHBOURS, NearestDistances, Summary, nearest_distances};
 pub use neighbourhoods::{NEIGHBOURHOOD, NeighbourhoodMatch, Neighbourhoods};
 pub use neighbours::{Neighbour, Neighbours};
+pub use overlap::{ClassOverlap, OverlapStatistics, check_radii, lens_area};
 pub use pair_correlation::{
-    PairCorrelation, PairCorrelationSettings, cross_pair_correlation, densest_distance, pair_correlation,
+    CrossCorrelation, PairCorrelation, PairCorrelationSettings, class_pair_correlations, cross_pair_correlation,
+    densest_distance, pair_correlation,
 };
 pub use pair_density::{PairDensity, PairDensitySettings, class_pair_densities, pair_density};
 pub use quality::{Distances, Quality, QualityScale, normalised_quality, tile};
@@ -109,17 +119,6 @@ impl Scales {
     }
 }
 
-/// The pair correlation between two classes.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CrossCorrelation {
-    /// Index of a class.
-    pub a: u16,
-    /// Index of the other, not below `a`.
-    pub b: u16,
-    /// Their pair correlation.
-    pub correlation: PairCorrelation,
-}
-
 /// What can be said about one pattern. Lengths are in exemplar units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Analysis {
@@ -147,6 +146,8 @@ pub struct Analysis {
     pub pair_correlation: PairCorrelation,
     /// Within and between classes; empty when there is one class. Classes without enough points are left out.
     pub cross_correlations: Vec<CrossCorrelation>,
+    /// Of the attributes, if [`Self::with_marks`] was asked for. Attributes whose mean is 0 have none.
+    pub mark_correlations: Vec<AttributeCorrelation>,
     /// Radial mean of the periodogram.
     pub spectrum: RadialSpectrum,
     /// Ripley's K and L.
@@ -171,23 +172,12 @@ impl Analysis {
         let nearest = nearest_distances(cloud, NEIGHBOURS)?;
         let density = cloud.density();
         let spacing = cloud.mean_spacing();
-        let mut cross_correlations = Vec::new();
-        let sizes = cloud.class_sizes();
-        if sizes.iter().filter(|&&size| size > 0).count() > 1 {
-            for a in 0..sizes.len() {
-                for b in a..sizes.len() {
-                    let others = if a == b { sizes[b].saturating_sub(1) } else { sizes[b] };
-                    if sizes[a] > 0 && others > 0 {
-                        let (a, b) = (a as u16, b as u16);
-                        let correlation = cross_pair_correlation(cloud, a, b, &scales.pair_correlation)?;
-                        cross_correlations.push(CrossCorrelation { a, b, correlation });
-                    }
-                }
-            }
-        }
+        let class_sizes = cloud.class_sizes();
+        let cross_correlations =
+            if class_sizes.len() > 1 { class_pair_correlations(cloud, &scales.pair_correlation)? } else { Vec::new() };
         Ok(Self {
             points: cloud.len(),
-            class_sizes: sizes,
+            class_sizes,
             size: cloud.size().into(),
             boundary: cloud.boundary(),
             density,
@@ -198,6 +188,7 @@ impl Analysis {
             nearest_histogram: Histogram::of(nearest.of_rank(1), scales.histogram_width, scales.histogram_count),
             pair_correlation: pair_correlation(cloud, &scales.pair_correlation)?,
             cross_correlations,
+            mark_correlations: Vec::new(),
             spectrum: periodogram(cloud, scales.max_frequency)?.radial_mean(scales.ring_width)?,
             ripley: ripley(cloud, &scales.ripley)?,
             envelope: None,
@@ -213,7 +204,14 @@ impl Analysis {
     pub fn of_pattern(pattern: &PointPattern, seed: u64) -> Result<Self, AnalysisError> {
         let cloud = Cloud::of(pattern);
         let scales = Scales::of(&cloud)?;
-        Self::of(&cloud, &scales)?.with_envelope(&cloud, &scales, seed)
+        Self::of(&cloud, &scales)?.with_marks(&cloud, pattern, &scales).with_envelope(&cloud, &scales, seed)
+    }
+
+    /// Adds the mark correlations of the attributes of the pattern that the cloud this analysis is of was made from.
+    #[must_use]
+    pub fn with_marks(mut self, cloud: &Cloud, pattern: &PointPattern, scales: &Scales) -> Self {
+        self.mark_correlations = marks::attribute_correlations(cloud, pattern, scales);
+        self
     }
 
     /// Adds the envelope of [`SIMULATIONS`] simulations for the cloud this analysis is of.
@@ -289,6 +287,8 @@ pub struct Comparison {
     pub defects: Defects,
     /// The paper's numbers, where a patch has two points.
     pub patches: Option<PatchComparison>,
+    /// Classes and attributes, where there are any.
+    pub marks: Option<MarkComparison>,
 }
 
 impl Comparison {
@@ -367,9 +367,16 @@ impl Judge {
     pub fn compare(&self, output: &PointPattern) -> Result<Comparison, AnalysisError> {
         let (points, other) = self.admit(output)?;
         let judge = other.as_ref().unwrap_or(self);
-        let analyse = |cloud| Analysis::of(cloud, &judge.scales)?.with_envelope(cloud, &judge.scales, judge.seed);
-        let (exemplar, output) = (analyse(&judge.cloud)?, analyse(&points)?);
+        let analyse = |cloud, pattern| {
+            let analysis = Analysis::of(cloud, &judge.scales)?.with_marks(cloud, pattern, &judge.scales);
+            analysis.with_envelope(cloud, &judge.scales, judge.seed)
+        };
+        let pattern = output;
+        let (exemplar, output) = (analyse(&judge.cloud, &judge.pattern)?, analyse(&points, pattern)?);
+        let marked = marks::Marked { cloud: &judge.cloud, pattern: &judge.pattern, analysis: &exemplar };
+        let own = marks::Marked { cloud: &points, pattern, analysis: &output };
         Ok(Comparison {
+            marks: marks::compare_marks(&marked, &own, &judge.scales, judge.seed)?,
             unit: judge.unit,
             scales: judge.scales,
             density_ratio: output.density / exemplar.density,

@@ -51,7 +51,12 @@ impl PairCorrelationSettings {
         Self { sigma, ..self }
     }
 
-    fn check(&self) -> Result<(), AnalysisError> {
+    /// Beyond this no pair adds to any sample.
+    fn reach(&self) -> f64 {
+        self.range + KERNEL_REACH * self.sigma
+    }
+
+    pub(super) fn check(&self) -> Result<(), AnalysisError> {
         check_positive("sigma", self.sigma)?;
         check_positive("range", self.range)?;
         check("samples", self.samples as f64, 2.0, 10_000.0)
@@ -77,6 +82,17 @@ impl PairCorrelation {
         let sum = || self.value.iter().zip(&other.value).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
         same.then(|| sum() / self.radius.len() as f64)
     }
+}
+
+/// The pair correlation between two classes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CrossCorrelation {
+    /// Index of a class.
+    pub a: u16,
+    /// Index of the other, not below `a`.
+    pub b: u16,
+    /// Their pair correlation.
+    pub correlation: PairCorrelation,
 }
 
 /// The pair correlation of all points, whatever their class (Öztireli & Gross 2012, eq. 3): every pair's distance
@@ -121,20 +137,50 @@ pub fn cross_pair_correlation(
     if a == b && of_a < 2 {
         return Err(AnalysisError::TooFewPoints { what: "the pair correlation of a class", count: of_a, needed: 2 });
     }
-    let mut sums = Sums::new(settings);
-    cloud.neighbours().pairs(sums.reach(), |i, j, offset| {
-        let (i, j) = (classes[i], classes[j]);
-        let ways = f64::from(u8::from((i, j) == (a, b))) + f64::from(u8::from((j, i) == (a, b)));
-        if ways > 0.0 {
+    let wanted = (a.min(b), a.max(b));
+    let all = class_pair_correlations(cloud, settings)?;
+    let found = all.into_iter().find(|one| (one.a, one.b) == wanted).map(|one| one.correlation);
+    found.ok_or(AnalysisError::EmptyClass { class: a })
+}
+
+/// [`cross_pair_correlation`] for all a ≤ b of which there are pairs of points, in one pass over the pairs.
+///
+/// # Errors
+/// When settings are not positive.
+pub fn class_pair_correlations(
+    cloud: &Cloud,
+    settings: &PairCorrelationSettings,
+) -> Result<Vec<CrossCorrelation>, AnalysisError> {
+    settings.check()?;
+    let (classes, sizes) = (cloud.classes(), cloud.class_sizes());
+    let count = sizes.len();
+    let mut sums: Vec<Option<Sums>> = Vec::with_capacity(count * count);
+    for a in 0..count {
+        for b in 0..count {
+            let others = if a == b { sizes[b].saturating_sub(1) } else { sizes[b] };
+            sums.push((a <= b && sizes[a] > 0 && others > 0).then(|| Sums::new(settings)));
+        }
+    }
+    cloud.neighbours().pairs(settings.reach(), |i, j, offset| {
+        let (a, b) = (classes[i].min(classes[j]), classes[i].max(classes[j]));
+        if let Some(sums) = &mut sums[usize::from(a) * count + usize::from(b)] {
+            // Within a class each of the two is the other's neighbour.
+            let ways = if a == b { 2.0 } else { 1.0 };
             sums.add(offset.length(), ways * cloud.pair_weight(offset));
         }
     });
-    let others = if a == b && cloud.boundary() == crate::Boundary::Open { of_b - 1 } else { of_b };
-    Ok(sums.finish(of_a as f64 * others as f64 / (cloud.area() * cloud.area())))
+    let open = cloud.boundary() == crate::Boundary::Open;
+    let curve = |(place, sums): (usize, Option<Sums>)| {
+        let (a, b) = (place / count, place % count);
+        let others = if a == b && open { sizes[b] - 1 } else { sizes[b] };
+        let correlation = sums?.finish(sizes[a] as f64 * others as f64 / (cloud.area() * cloud.area()));
+        Some(CrossCorrelation { a: a as u16, b: b as u16, correlation })
+    };
+    Ok(sums.into_iter().enumerate().filter_map(curve).collect())
 }
 
 /// Weighted Gaussians at the distances of pairs, sampled evenly.
-struct Sums {
+pub(super) struct Sums {
     settings: PairCorrelationSettings,
     first: f64,
     step: f64,
@@ -142,19 +188,19 @@ struct Sums {
 }
 
 impl Sums {
-    fn new(settings: &PairCorrelationSettings) -> Self {
+    pub(super) fn new(settings: &PairCorrelationSettings) -> Self {
         let first = (0.01 * settings.sigma).min(0.5 * settings.range);
         let step = (settings.range - first) / (settings.samples - 1) as f64;
         Self { settings: *settings, first, step, sums: vec![0.0; settings.samples] }
     }
 
-    fn reach(&self) -> f64 {
-        self.settings.range + KERNEL_REACH * self.settings.sigma
+    pub(super) fn reach(&self) -> f64 {
+        self.settings.reach()
     }
 
     /// Adds a Gaussian. Neighbouring samples of one differ by a factor that itself changes by a constant factor, so
     /// that two exponentials do for all.
-    fn add(&mut self, distance: f64, weight: f64) {
+    pub(super) fn add(&mut self, distance: f64, weight: f64) {
         let sigma = self.settings.sigma;
         let sample = |x: f64| ((x - self.first) / self.step).ceil().max(0.0) as usize;
         let from = sample(distance - KERNEL_REACH * sigma);
@@ -174,7 +220,7 @@ impl Sums {
         }
     }
 
-    fn finish(self, squared_density: f64) -> PairCorrelation {
+    pub(super) fn finish(self, squared_density: f64) -> PairCorrelation {
         let sigma = self.settings.sigma;
         let radius: Vec<f64> = (0..self.sums.len()).map(|i| self.first + i as f64 * self.step).collect();
         let value = radius

@@ -1,5 +1,7 @@
 //! An analysis as a picture: patterns, curves, maps and words on one SVG page.
 
+mod marks;
+
 use std::fmt::Write as _;
 
 use glam::DVec2;
@@ -14,8 +16,8 @@ use super::{
 use crate::domain::Boundary;
 use crate::formats::PngError;
 use crate::formats::png::encode_rgba;
-use crate::formats::style::{self, Color, Look, PALETTE};
-use crate::formats::svg::{Px, Ring, escape};
+use crate::formats::style::{self, Color, Layout, Look, Mark, PALETTE, Painted, RADIUS_ATTRIBUTE};
+use crate::formats::svg::{Px, escape, write_marks};
 use crate::pattern::PointPattern;
 
 /// Why a report could not be drawn.
@@ -109,17 +111,21 @@ struct Side<'a> {
 }
 
 /// The names of all classes, numbered as in [`common_classes`]; none when every pattern has but one.
-fn class_names<'a>(sides: &'a [Side<'_>]) -> Vec<&'a str> {
+fn class_names(sides: &[Side<'_>]) -> Vec<String> {
     if sides.iter().all(|side| side.pattern.class_names().len() == 1) {
         return Vec::new();
     }
-    let mut names: Vec<&str> = Vec::new();
+    let mut names: Vec<String> = Vec::new();
     for name in sides.iter().flat_map(|side| side.pattern.class_names()) {
-        if !names.contains(&name.as_str()) {
-            names.push(name);
+        if !names.contains(name) {
+            names.push(name.clone());
         }
     }
     names
+}
+
+fn has_radius(pattern: &PointPattern) -> bool {
+    pattern.attributes().iter().any(|attribute| attribute.name == RADIUS_ATTRIBUTE)
 }
 
 /// The page as it grows, downwards.
@@ -135,6 +141,14 @@ struct Curve<'a> {
     color: Color,
     /// The exemplar lies below, broad; the output above, narrow: both are seen where they agree.
     width: f64,
+}
+
+/// Where a panel stands, labels included but not the line of its title.
+struct Room {
+    left: f64,
+    width: f64,
+    /// Of the curves.
+    height: f64,
 }
 
 /// A panel with axes.
@@ -160,6 +174,7 @@ impl Page {
         page.patterns(sides, comparison);
         page.correlation_and_nearest(sides, scales)?;
         page.spectrum_and_ripley(sides, scales);
+        page.marks(sides, scales, comparison);
         page.maps(sides, scales)?;
         page.footer(scales, sides, comparison);
 
@@ -239,7 +254,7 @@ impl Page {
             let caption = format!("{} · {} points", side.name, side.cloud.len());
             let size = *size * scale;
             let widest = ((size.x.max(170.0) + 0.4 * GAP) / 7.0) as usize;
-            self.dot(at + DVec2::new(5.0, -4.5), 5.0, side.color, false, 1.0);
+            self.dot(at + DVec2::new(5.0, -4.5), 5.0, side.color);
             self.text(at + DVec2::new(16.0, 0.0), "font-weight=\"600\"", &capitalised(side.role));
             self.text(at + DVec2::new(0.0, 18.0), &format!("fill=\"{QUIET}\""), &shortened(&caption, widest));
             self.pattern(side, &classes, at + DVec2::new(0.0, head), size, &look);
@@ -255,22 +270,26 @@ impl Page {
         self.y = self.y.max(numbers) + GAP;
     }
 
-    fn pattern(&mut self, side: &Side<'_>, classes: &[&str], min: DVec2, size: DVec2, look: &Look) {
-        let layout = style::lay_out(side.pattern, min, size, look);
+    fn pattern(&mut self, side: &Side<'_>, classes: &[String], min: DVec2, size: DVec2, look: &Look) {
+        let mut layout = style::lay_out(side.pattern, min, size, look);
         let id = format!("tile-{}", side.role);
         if layout.clipped {
             let _ = write!(self.svg, "<clipPath id=\"{id}\">");
             self.rectangle(layout.min, layout.size, "");
             let _ = writeln!(self.svg, "</clipPath>\n<g clip-path=\"url(#{id})\">");
         }
-        let several = !classes.is_empty();
-        for disk in &layout.disks {
-            let name = side.pattern.class_names().get(usize::from(disk.class));
-            let number = name.and_then(|name| classes.iter().position(|other| other == name)).unwrap_or(0);
-            let class = style::class_style(number as u16);
-            let color = if several { class.color } else { side.color };
-            self.dot(disk.center, disk.radius, color, several && class.hollow, layout.line);
+        // On both sides a class looks the same; a single one has the colour of its side.
+        let common = style::class_styles(classes, has_radius(side.pattern));
+        for painted in &mut layout.classes {
+            match classes.iter().position(|name| *name == painted.name) {
+                Some(number) => {
+                    painted.color = PALETTE[common[number].color];
+                    painted.glyph = common[number].glyph.clone();
+                }
+                None => painted.color = side.color,
+            }
         }
+        write_marks(&mut self.svg, &layout, &format!("glyph-{}", side.role));
         if layout.clipped {
             self.svg.push_str("</g>\n");
         }
@@ -279,18 +298,18 @@ impl Page {
         self.rectangle(layout.min, layout.size, &format!("fill=\"none\" stroke=\"#9aa5b1\"{dashes}"));
     }
 
-    fn dot(&mut self, center: DVec2, radius: f64, color: Color, hollow: bool, line: f64) {
+    fn dot(&mut self, center: DVec2, radius: f64, color: Color) {
         let (x, y, color) = (Px(center.x), Px(center.y), color.hex());
-        let _ = if hollow {
-            let ring = Ring::of(radius, line);
-            let (r, width) = (Px(ring.radius), Px(ring.width));
-            writeln!(
-                self.svg,
-                "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"/>"
-            )
-        } else {
-            writeln!(self.svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\" fill=\"{color}\"/>", Px(radius))
-        };
+        let _ = writeln!(self.svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\" fill=\"{color}\"/>", Px(radius));
+    }
+
+    /// The glyph of a class beside its name.
+    fn key(&mut self, center: DVec2, class: Painted, number: usize) {
+        let mark = Mark { center, radius: 4.5, turn: 0.0, class: 0 };
+        let (min, size) = (DVec2::ZERO, DVec2::ONE);
+        let (marks, classes) = (vec![mark], vec![class]);
+        let layout = Layout { min, size, marks, classes, clipped: false, halo: None, line: 1.0 };
+        write_marks(&mut self.svg, &layout, &format!("key-{number}"));
     }
 
     /// A column of numbers; returns where it ends.
@@ -373,10 +392,12 @@ impl Page {
                 }
             }
         }
-        for (number, name) in class_names(sides).iter().enumerate() {
+        let names = class_names(sides);
+        let styles = style::class_styles(&names, has_radius(sides[0].pattern));
+        for (number, (name, style)) in names.iter().zip(styles).enumerate() {
             y += 22.0;
-            let class = style::class_style(number as u16);
-            self.dot(DVec2::new(at.x + 5.0, y - 4.5), 5.0, class.color, class.hollow, 1.0);
+            let class = Painted { name: name.clone(), color: PALETTE[style.color], glyph: style.glyph };
+            self.key(DVec2::new(at.x + 5.0, y - 4.5), class, number);
             self.text(DVec2::new(at.x + 17.0, y), &format!("fill=\"{QUIET}\""), &shortened(name, 16));
             for (side, &x) in sides.iter().zip(&columns) {
                 let count = side.analysis.class_sizes.get(number).copied().unwrap_or(0);
@@ -513,10 +534,27 @@ impl Page {
         log: bool,
     ) -> Panel {
         let width = (WIDTH - 2.0 * MARGIN - GAP) / 2.0;
+        let room = Room { left: MARGIN + column as f64 * (width + GAP), width, height: CURVE_HEIGHT };
+        self.panel_in(&room, title, across, up, x, y, log)
+    }
+
+    /// Axes, grid and labels anywhere.
+    #[expect(clippy::too_many_arguments, reason = "one call says all there is to say about a panel")]
+    fn panel_in(
+        &mut self,
+        room: &Room,
+        title: &str,
+        across: &str,
+        up: &str,
+        x: [f64; 2],
+        y: [f64; 2],
+        log: bool,
+    ) -> Panel {
         let labels = 54.0;
-        let min = DVec2::new(MARGIN + labels + column as f64 * (width + GAP), self.y + 16.0);
-        let panel = Panel { min, size: DVec2::new(width - labels, CURVE_HEIGHT), x, y, log };
-        self.text(DVec2::new(min.x - labels, self.y), "font-size=\"16\" font-weight=\"600\"", title);
+        let min = DVec2::new(room.left + labels, self.y + 16.0);
+        let panel = Panel { min, size: DVec2::new(room.width - labels, room.height), x, y, log };
+        let size = if room.height < CURVE_HEIGHT { 14 } else { 16 };
+        self.text(DVec2::new(room.left, self.y), &format!("font-size=\"{size}\" font-weight=\"600\""), title);
         let (right, bottom) = (min.x + panel.size.x, min.y + panel.size.y);
         let quiet = format!("font-size=\"12\" fill=\"{QUIET}\"");
         for (value, label) in ticks(panel.x, false) {

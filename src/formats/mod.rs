@@ -38,10 +38,12 @@ mod declaration;
 mod delimited;
 mod error;
 mod geojson;
+mod glyph;
 mod guess;
 mod json;
 pub mod link;
 mod npy;
+mod outline;
 mod picture;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod png;
@@ -56,8 +58,10 @@ mod whitespace;
 
 pub use delimited::{write_csv, write_tsv};
 pub use error::{FormatError, Place};
+pub use glyph::{Glyph, GlyphError, Polygon};
 pub use json::write_json;
 pub use npy::write_npy;
+pub use outline::{MAX_PATH_LENGTH, MAX_PATH_SEGMENTS, Outline, OutlineError};
 pub use picture::{BlobOptions, Blobs, Ink, Picture, find_blobs};
 #[cfg(not(target_arch = "wasm32"))]
 pub use png::{PngError, PngStyle, draw, encode_png, write_png};

@@ -4,12 +4,14 @@ use std::io::Cursor;
 
 use glam::DVec2;
 use thiserror::Error;
-use tiny_skia::{FillRule, Mask, Paint, PathBuilder, Pixmap, Rect, Stroke, Transform};
+use tiny_skia::{FillRule, Mask, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
 use super::error::FormatError;
+use super::glyph::Glyph;
+use super::outline::Segment;
 use super::picture::{MAX_PIXELS, Picture};
 use super::style::{self, Color, Layout, Look};
-use super::svg::Ring;
+use super::svg::{HALO, Ring};
 use crate::pattern::PointPattern;
 
 /// What every PNG begins with.
@@ -142,25 +144,64 @@ pub fn draw(pattern: &PointPattern, pixmap: &mut Pixmap, x: f64, y: f64, width: 
         mask.fill_path(&PathBuilder::from_rect(domain), FillRule::Winding, true, Transform::identity());
         Some(mask)
     });
-    draw_disks(&layout, pixmap, clip.as_ref());
+    draw_marks(&layout, pixmap, clip.as_ref());
 }
 
-fn draw_disks(layout: &Layout, pixmap: &mut Pixmap, clip: Option<&Mask>) {
-    for disk in &layout.disks {
-        let look = style::class_style(disk.class);
-        let ring = Ring::of(disk.radius, layout.line);
-        let radius = if look.hollow { ring.radius } else { disk.radius };
-        let Some(circle) = PathBuilder::from_circle(disk.center.x as f32, disk.center.y as f32, radius as f32) else {
-            continue;
+fn draw_marks(layout: &Layout, pixmap: &mut Pixmap, clip: Option<&Mask>) {
+    let stroke = |width: f64| Stroke { width: width as f32, ..Stroke::default() };
+    let shapes: Vec<Option<Path>> = layout.classes.iter().map(|class| path(&class.glyph)).collect();
+    for mark in &layout.marks {
+        let number = usize::from(mark.class);
+        let (Some(class), Some(shape)) = (layout.classes.get(number), shapes.get(number)) else { continue };
+        let ring = Ring::of(mark.radius, layout.line);
+        let hollow = class.glyph == Glyph::Ring;
+        let radius = if hollow { ring.radius } else { mark.radius };
+        let (x, y) = (mark.center.x as f32, mark.center.y as f32);
+        let outline = match shape {
+            // y points down, so turning back is counter-clockwise.
+            Some(shape) => shape.clone().transform(
+                Transform::from_rotate(-mark.turn as f32).post_scale(radius as f32, radius as f32).post_translate(x, y),
+            ),
+            None => PathBuilder::from_circle(x, y, radius as f32),
         };
-        let paint = paint(look.color);
-        if look.hollow {
-            let stroke = Stroke { width: ring.width as f32, ..Stroke::default() };
-            pixmap.stroke_path(&circle, &paint, &stroke, Transform::identity(), clip);
-        } else {
-            pixmap.fill_path(&circle, &paint, FillRule::Winding, Transform::identity(), clip);
+        let Some(outline) = outline else { continue };
+        if hollow {
+            pixmap.stroke_path(&outline, &paint(class.color), &stroke(ring.width), Transform::identity(), clip);
+            continue;
+        }
+        if let Some(halo) = layout.halo {
+            let around = stroke(HALO * layout.line);
+            pixmap.stroke_path(&outline, &paint(halo), &around, Transform::identity(), clip);
+        }
+        pixmap.fill_path(&outline, &paint(class.color), FillRule::Winding, Transform::identity(), clip);
+    }
+}
+
+/// The outline of a glyph of radius 1 that is no circle.
+fn path(glyph: &Glyph) -> Option<Path> {
+    let mut path = PathBuilder::new();
+    match glyph {
+        Glyph::Disk | Glyph::Ring => return None,
+        Glyph::Polygon(polygon) => {
+            for (i, [x, y]) in polygon.corners.iter().enumerate() {
+                if i == 0 { path.move_to(*x, *y) } else { path.line_to(*x, *y) }
+            }
+            path.close();
+        }
+        Glyph::Path(outline) => {
+            for segment in outline.segments() {
+                match *segment {
+                    Segment::Move(p) => path.move_to(p.x as f32, p.y as f32),
+                    Segment::Line(p) => path.line_to(p.x as f32, p.y as f32),
+                    Segment::Curve(a, b, p) => {
+                        path.cubic_to(a.x as f32, a.y as f32, b.x as f32, b.y as f32, p.x as f32, p.y as f32);
+                    }
+                    Segment::Close => path.close(),
+                }
+            }
         }
     }
+    path.finish()
 }
 
 fn pixels(length: f64) -> u32 {

@@ -1,9 +1,10 @@
-//! SVG: one `<circle>` a point, one group a class.
+//! SVG: one `<circle>` or `<use>` a point, one group a class.
 
 use std::fmt::Write as _;
 
 use glam::DVec2;
 
+use super::glyph::Glyph;
 use super::style::{self, Layout, Look};
 use crate::pattern::PointPattern;
 
@@ -41,7 +42,7 @@ pub fn write_svg(pattern: &PointPattern, style: &SvgStyle) -> String {
     let title = if style.title.is_empty() { format!("{} points", pattern.len()) } else { style.title.clone() };
 
     // Writing to a String can't fail, so the results of `write!` are dropped.
-    let mut svg = String::with_capacity(600 + layout.disks.len() * 48);
+    let mut svg = String::with_capacity(600 + layout.marks.len() * 64);
     let _ = writeln!(
         svg,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\"{}>",
@@ -51,7 +52,7 @@ pub fn write_svg(pattern: &PointPattern, style: &SvgStyle) -> String {
     if let Some(color) = style.look.background {
         let _ = writeln!(svg, "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>", color.hex());
     }
-    // Below the disks: points on the border stay whole.
+    // Below the glyphs: points on the border stay whole.
     if let Some(color) = style.look.frame {
         let line = Px(layout.line);
         let _ = writeln!(svg, "<rect {frame} fill=\"none\" stroke=\"{}\" stroke-width=\"{line}\"/>", color.hex());
@@ -59,34 +60,69 @@ pub fn write_svg(pattern: &PointPattern, style: &SvgStyle) -> String {
     if layout.clipped {
         let _ = writeln!(svg, "<clipPath id=\"tile\"><rect {frame}/></clipPath>\n<g clip-path=\"url(#tile)\">");
     }
-    for disks in layout.disks.chunk_by(|a, b| a.class == b.class) {
-        let class = disks[0].class;
-        let look = style::class_style(class);
-        let paint = if look.hollow {
-            format!("fill=\"none\" stroke=\"{}\"", look.color.hex())
-        } else {
-            format!("fill=\"{}\"", look.color.hex())
-        };
-        let name = pattern.class_names().get(usize::from(class)).map_or("", String::as_str);
-        let _ = writeln!(svg, "<g data-class=\"{}\" {paint}>", escape(name));
-        for disk in disks {
-            let (x, y) = (Px(disk.center.x), Px(disk.center.y));
-            if look.hollow {
-                let ring = Ring::of(disk.radius, layout.line);
-                let (r, stroke) = (Px(ring.radius), Px(ring.width));
-                let _ = writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" stroke-width=\"{stroke}\"/>");
-            } else {
-                let _ = writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\"/>", Px(disk.radius));
-            }
-        }
-        svg.push_str("</g>\n");
-    }
+    write_marks(&mut svg, &layout, "glyph");
     if layout.clipped {
         svg.push_str("</g>\n");
     }
     svg.push_str("</svg>\n");
     svg
 }
+
+/// Writes the glyphs of a layout, one group a run of one class. Those that are no circles are defined once a class,
+/// under names that begin with `id`.
+pub(crate) fn write_marks(svg: &mut String, layout: &Layout, id: &str) {
+    for (number, class) in layout.classes.iter().enumerate() {
+        let data = class.glyph.path_data();
+        if !data.is_empty() {
+            let scaling = if layout.halo.is_some() { " vector-effect=\"non-scaling-stroke\"" } else { "" };
+            let _ = writeln!(
+                svg,
+                "<defs><path id=\"{id}-{number}\" {GLYPH}=\"{}\" d=\"{data}\"{scaling}/></defs>",
+                class.glyph.name()
+            );
+        }
+    }
+    for marks in layout.marks.chunk_by(|a, b| a.class == b.class) {
+        let number = marks[0].class;
+        let Some(class) = layout.classes.get(usize::from(number)) else { continue };
+        let (color, ring) = (class.color.hex(), class.glyph == Glyph::Ring);
+        let _ = write!(svg, "<g data-class=\"{}\"", escape(&class.name));
+        let _ = match layout.halo {
+            _ if ring => writeln!(svg, " fill=\"none\" stroke=\"{color}\">"),
+            Some(halo) => writeln!(
+                svg,
+                " fill=\"{color}\" stroke=\"{}\" stroke-width=\"{}\" paint-order=\"stroke\">",
+                halo.hex(),
+                Px(HALO * layout.line)
+            ),
+            None => writeln!(svg, " fill=\"{color}\">"),
+        };
+        for mark in marks {
+            let (x, y) = (Px(mark.center.x), Px(mark.center.y));
+            let _ = match class.glyph {
+                Glyph::Ring => {
+                    let ring = Ring::of(mark.radius, layout.line);
+                    let (r, stroke) = (Px(ring.radius), Px(ring.width));
+                    writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" stroke-width=\"{stroke}\"/>")
+                }
+                Glyph::Disk => writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\"/>", Px(mark.radius)),
+                _ => {
+                    // y points down, so turning back is counter-clockwise.
+                    let turn = if mark.turn == 0.0 { String::new() } else { format!(" rotate({})", Px(-mark.turn)) };
+                    let r = Px(mark.radius);
+                    writeln!(svg, "<use href=\"#{id}-{number}\" transform=\"translate({x} {y}){turn} scale({r})\"/>")
+                }
+            };
+        }
+        svg.push_str("</g>\n");
+    }
+}
+
+/// The attribute that marks a path as a glyph, for the reader of SVG.
+pub(crate) const GLYPH: &str = "data-glyph";
+
+/// Width of the line around glyphs that stand before others, both sides together, in lines of the frame.
+pub(crate) const HALO: f64 = 3.0;
 
 /// What the reader of SVG needs to get the pattern back in its own unit: the domain, and where in the picture it is.
 fn domain_attributes(pattern: &PointPattern, layout: &Layout) -> String {

@@ -1,4 +1,5 @@
-//! Points of a drawing: every visible `circle` and `ellipse` of an SVG, also by way of `use`, with all transforms.
+//! Points of a drawing: every visible `circle` and `ellipse` of an SVG, also by way of `use`, with all transforms;
+//! and our own glyphs.
 //!
 //! The class is what a group says with `data-class` (as [`write_svg`](super::write_svg) does), else the fill, else the
 //! stroke; with more than one radius there is an attribute `radius`. y points down, as in the drawing and on the page.
@@ -13,6 +14,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 use super::error::{FormatError, clip};
 use super::guess::guess_domain;
 use super::style::RADIUS_ATTRIBUTE;
+use super::svg::GLYPH;
 use super::{FileFormat, ReadOptions, Reading};
 use crate::domain::{Boundary, Domain};
 use crate::pattern::{Attribute, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PointPattern};
@@ -180,6 +182,8 @@ impl<'a> Reader<'a> {
         let name = node.tag_name().name();
         match name {
             "svg" | "g" | "a" | "switch" | "circle" | "ellipse" | "use" => {}
+            // A glyph of our own, in radii around its middle.
+            "path" if node.has_attribute(GLYPH) => {}
             "path" | "rect" | "line" | "polyline" | "polygon" | "image" | "text" => {
                 self.others += 1;
                 return Ok(());
@@ -189,7 +193,7 @@ impl<'a> Reader<'a> {
         }
         let mut context = self.enter(node, outer)?;
         match name {
-            "circle" | "ellipse" => self.take(node, &context),
+            "circle" | "ellipse" | "path" => self.take(node, &context),
             "use" => self.follow(node, &context),
             _ => {
                 if name == "svg" && outer.depth > 0 {
@@ -296,6 +300,8 @@ impl<'a> Reader<'a> {
         let radii = if node.tag_name().name() == "circle" {
             let radius = get("r", diagonal)?.unwrap_or(0.0);
             DVec2::splat(radius)
+        } else if node.has_attribute(GLYPH) {
+            DVec2::ONE
         } else {
             let (x, y) = (get("rx", context.viewport.x)?, get("ry", context.viewport.y)?);
             DVec2::new(x.or(y).unwrap_or(0.0), y.or(x).unwrap_or(0.0))

@@ -8,16 +8,18 @@
 //! ever; a better picture is a new entry.
 
 mod dashes;
+mod disks;
 mod figures;
 mod lattices;
 mod radial;
 mod sample;
 mod scatter;
+mod things;
 
 use glam::DVec2;
 
 use crate::domain::Domain;
-use crate::pattern::PointPattern;
+use crate::pattern::{Attribute, PointPattern};
 use sample::Sample;
 
 /// One exemplar of the gallery.
@@ -39,12 +41,23 @@ impl Entry {
     #[must_use]
     #[expect(
         clippy::expect_used,
-        reason = "generators take nothing but a seed, end in Sample::tile or Sample::window, and so stay in their rectangle"
+        reason = "generators take nothing but a seed, end in Sample::tile or Sample::window, and so stay in their \
+            rectangle; that their names and lists fit together is tested for every entry"
     )]
     pub fn generate(&self, seed: u64) -> PointPattern {
-        let Sample { size, boundary, points } = (self.generate)(seed);
+        let Sample { size, boundary, points, classes, attributes } = (self.generate)(seed);
         let domain = Domain::new(DVec2::ZERO, size).expect("a generator's rectangle is valid");
-        PointPattern::new(domain, points).expect("a generator's points are valid").with_boundary(boundary)
+        let mut pattern = PointPattern::new(domain, points).expect("a generator's points are valid");
+        if !classes.is_empty() {
+            let names = classes.iter().map(|(name, _)| (*name).to_owned()).collect();
+            let numbers = classes.iter().zip(0..).flat_map(|(&(_, count), class)| std::iter::repeat_n(class, count));
+            pattern = pattern.with_classes(numbers.collect(), names).expect("a generator's classes are valid");
+        }
+        for (name, values) in attributes {
+            let attribute = Attribute { name: name.to_owned(), values };
+            pattern = pattern.with_attribute(attribute).expect("a generator's attributes are valid");
+        }
+        pattern.with_boundary(boundary)
     }
 
     /// The exemplar for the entry's own seed.
@@ -54,10 +67,11 @@ impl Entry {
     }
 }
 
-/// All exemplars, in the order of the gallery: structured, then stochastic, then regular.
+/// All exemplars, in the order of the gallery: structured, stochastic, regular, then those of several classes or with
+/// attributes.
 #[must_use]
 pub fn entries() -> &'static [Entry] {
-    &ENTRIES
+    ENTRIES
 }
 
 /// The exemplar of this name.
@@ -66,7 +80,7 @@ pub fn find(name: &str) -> Option<&'static Entry> {
     ENTRIES.iter().find(|entry| entry.name == name)
 }
 
-static ENTRIES: [Entry; 21] = [
+static ENTRIES: &[Entry] = &[
     Entry {
         name: "rings",
         title: "Rings",
@@ -213,5 +227,68 @@ static ENTRIES: [Entry; 21] = [
         caption: "Walls around empty cells: the holes are as regular as the points.",
         seed: 1,
         generate: lattices::honeycomb,
+    },
+    Entry {
+        name: "attracting",
+        title: "Flowers and bees",
+        caption: "Two classes that attract: wherever there is a flower, two or three bees are not far.",
+        seed: 1,
+        generate: things::attracting,
+    },
+    Entry {
+        name: "repelling",
+        title: "Rival nests",
+        caption: "Two classes that repel: one's own kind may live next door, the other kind keeps away.",
+        seed: 1,
+        generate: things::repelling,
+    },
+    Entry {
+        name: "houses",
+        title: "Houses among trees",
+        caption: "Rows of houses, trees by chance between them: one class regular, the other not, neither alone.",
+        seed: 1,
+        generate: things::houses,
+    },
+    Entry {
+        name: "grove",
+        title: "Grove",
+        caption: "Every tree has its size: the old keep their distance, the young gather around them.",
+        seed: 1,
+        generate: things::grove,
+    },
+    Entry {
+        name: "boats",
+        title: "Boats",
+        caption: "Every boat turns as its river does, every second river runs back: direction goes with place.",
+        seed: 1,
+        generate: things::boats,
+    },
+    Entry {
+        name: "meadow",
+        title: "Meadow",
+        caption: "Four classes with scale and depth: what is near is larger and stands in front.",
+        seed: 1,
+        generate: things::meadow,
+    },
+    Entry {
+        name: "graded-disks",
+        title: "Graded disks",
+        caption: "Sizes swell and shrink from left to right: a value that depends on its place.",
+        seed: 1,
+        generate: disks::graded,
+    },
+    Entry {
+        name: "packed-disks",
+        title: "Packed disks",
+        caption: "A few large disks, many small ones in the gaps, none overlapping: places must suit sizes.",
+        seed: 1,
+        generate: disks::packed,
+    },
+    Entry {
+        name: "necklaces",
+        title: "Necklaces",
+        caption: "Rings of beads, each a tenth in its two neighbours, and no other overlap.",
+        seed: 1,
+        generate: disks::necklaces,
     },
 ];

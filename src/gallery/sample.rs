@@ -12,19 +12,35 @@ pub(super) struct Sample {
     pub(super) size: DVec2,
     pub(super) boundary: Boundary,
     pub(super) points: Vec<DVec2>,
+    /// What the classes are called and how many points each has, class after class; empty for one without a name.
+    pub(super) classes: Vec<(&'static str, usize)>,
+    /// Named numbers, one a point.
+    pub(super) attributes: Vec<(&'static str, Vec<f64>)>,
 }
 
 impl Sample {
     /// One tile of a torus; points beyond its border come back in on the other side.
     pub(super) fn tile(size: DVec2, points: impl IntoIterator<Item = DVec2>) -> Self {
         let points = points.into_iter().map(|point| wrap(point, size)).collect();
-        Self { size, boundary: Boundary::Periodic, points }
+        Self { size, boundary: Boundary::Periodic, points, classes: Vec::new(), attributes: Vec::new() }
     }
 
     /// The part of a larger picture seen through the unit square.
     pub(super) fn window(points: impl IntoIterator<Item = DVec2>) -> Self {
         let inside = |point: &DVec2| point.cmpge(DVec2::ZERO).all() && point.cmple(DVec2::ONE).all();
-        Self { size: DVec2::ONE, boundary: Boundary::Open, points: points.into_iter().filter(inside).collect() }
+        let points = points.into_iter().filter(inside).collect();
+        Self { boundary: Boundary::Open, points, ..Self::tile(DVec2::ONE, []) }
+    }
+
+    /// Names the classes, in the order of the points.
+    pub(super) fn of(self, classes: &[(&'static str, usize)]) -> Self {
+        Self { classes: classes.to_vec(), ..self }
+    }
+
+    /// Gives every point a number.
+    pub(super) fn with(mut self, name: &'static str, values: Vec<f64>) -> Self {
+        self.attributes.push((name, values));
+        self
     }
 }
 

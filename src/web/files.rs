@@ -11,10 +11,10 @@ use super::pattern_data::PatternData;
 use super::protocol::Place;
 use crate::domain::{Boundary, Domain};
 use crate::formats::link::{Link, LinkError, LinkExemplar, read_link, write_link};
-use crate::formats::style::Look;
+use crate::formats::style::{Look, Palette};
 use crate::formats::{
-    self, BlobOptions, FormatError, Ink, Picture, Preview, Project, ReadOptions, Reading, SvgStyle, find_blobs,
-    write_project,
+    self, BlobOptions, FormatError, Glyph, GlyphError, Ink, Picture, Preview, Project, ReadOptions, Reading, SvgStyle,
+    find_blobs, write_project,
 };
 use crate::method::{Cost, ParameterError, Parameters, Preset};
 use crate::pattern::{PatternError, PointPattern};
@@ -62,6 +62,17 @@ pub enum FilesRequest {
         /// A drawing that ends at the domain's border.
         #[serde(default)]
         tile: bool,
+        /// In a drawing, the glyphs chosen for classes, by the classes' names.
+        #[serde(default)]
+        glyphs: Map<String, Value>,
+        /// In a drawing, the colours.
+        #[serde(default)]
+        palette: String,
+    },
+    /// The outline of a glyph, or what is wrong with its path. Answered by [`FilesResponse::Glyph`].
+    Glyph {
+        /// Its name, or `path:` and SVG path data.
+        name: String,
     },
     /// Writes a whole session. Answered by [`FilesResponse::Written`].
     WriteProject {
@@ -200,6 +211,11 @@ pub enum FilesResponse {
         /// How its name ends, with the dot.
         extension: String,
     },
+    /// A glyph.
+    Glyph {
+        /// As [`GlyphView::outline`](super::protocol::GlyphView::outline).
+        outline: String,
+    },
     /// A link.
     LinkWritten {
         /// Without its `#`.
@@ -324,6 +340,8 @@ enum Refusal {
     Parameter(#[from] ParameterError),
     #[error(transparent)]
     Link(#[from] LinkError),
+    #[error(transparent)]
+    Glyph(#[from] GlyphError),
 }
 
 /// Answers one request.
@@ -332,7 +350,12 @@ pub fn respond(request: FilesRequest) -> FilesResponse {
     let response = match request {
         FilesRequest::Read { name, bytes, options } => read(name, &bytes, options),
         FilesRequest::Blobs { width, height, pixels, options } => blobs(width, height, &pixels, options),
-        FilesRequest::Write { format, pattern, title, tile } => write(format, *pattern, title, tile),
+        FilesRequest::Write { format, pattern, title, tile, glyphs, palette } => {
+            look(&glyphs, &palette, tile).map_err(Refusal::from).and_then(|look| write(format, *pattern, title, look))
+        }
+        FilesRequest::Glyph { name } => Glyph::from_name(&name)
+            .map(|glyph| FilesResponse::Glyph { outline: glyph.path_data() })
+            .map_err(Refusal::from),
         FilesRequest::WriteProject { title, preset, overrides, exemplar, output, state } => {
             project(*exemplar, title, &preset, overrides, output, state)
         }
@@ -418,7 +441,16 @@ fn blobs(width: usize, height: usize, pixels: &[u8], options: BlobOptionsView) -
     })
 }
 
-fn write(format: WrittenFormat, pattern: PatternData, title: String, tile: bool) -> Result<FilesResponse, Refusal> {
+/// The look of a drawing that a person has chosen.
+fn look(glyphs: &Map<String, Value>, palette: &str, tile: bool) -> Result<Look, GlyphError> {
+    let chosen =
+        |(class, name): (&String, &Value)| Ok((class.clone(), Glyph::from_name(name.as_str().unwrap_or_default())?));
+    let glyphs = glyphs.iter().map(chosen).collect::<Result<_, GlyphError>>()?;
+    let look = Look { glyphs, palette: Palette::from_name(palette).unwrap_or_default(), ..Look::default() };
+    Ok(if tile { Look { frame: None, margin: 0.0, ..look } } else { look })
+}
+
+fn write(format: WrittenFormat, pattern: PatternData, title: String, look: Look) -> Result<FilesResponse, Refusal> {
     let pattern = PointPattern::try_from(pattern)?;
     let (bytes, mime, extension) = match format {
         WrittenFormat::Csv => (formats::write_csv(&pattern).into_bytes(), "text/csv", ".csv"),
@@ -426,7 +458,6 @@ fn write(format: WrittenFormat, pattern: PatternData, title: String, tile: bool)
         WrittenFormat::Json => (formats::write_json(&pattern).into_bytes(), "application/json", ".json"),
         WrittenFormat::Npy => (formats::write_npy(&pattern), "application/octet-stream", ".npy"),
         WrittenFormat::Svg => {
-            let look = if tile { Look { frame: None, margin: 0.0, ..Look::default() } } else { Look::default() };
             let style = SvgStyle { title, look, ..SvgStyle::default() };
             (formats::write_svg(&pattern, &style).into_bytes(), "image/svg+xml", ".svg")
         }
@@ -568,6 +599,27 @@ mod tests {
             String::from_utf8(bytes(&written)).unwrap()
         };
         assert!(svg(true).contains("data-frame=\"0 0 800 400\"") && !svg(false).contains("data-frame=\"0 0 800 400\""));
+    }
+
+    #[test]
+    fn glyphs_are_checked_and_drawn() {
+        let glyph = |name: &str| ask(json!({ "type": "glyph", "name": name }));
+        let square = json!({ "type": "glyph", "outline": "M-1 -1L1 -1L1 1L-1 1Z" });
+        assert_eq!(glyph("path:M0 0h10v10h-10z"), square);
+        assert!(glyph("path:M0 0L9 x")["message"].as_str().unwrap().contains("position 8"));
+        assert_eq!(glyph("castle")["type"], "error");
+
+        let boats: PatternData = (&crate::gallery::find("boats").unwrap().exemplar()).into();
+        let write = |glyphs: Value, palette: &str| {
+            ask(json!({ "type": "write", "format": "svg", "pattern": boats, "glyphs": glyphs, "palette": palette }))
+        };
+        let drawn = |glyphs, palette| String::from_utf8(bytes(&write(glyphs, palette))).unwrap();
+        let plain = drawn(json!({}), "");
+        assert!(plain.contains("<use href=\"#glyph-0\"") && plain.contains("rotate(") && plain.contains("#0072b2"));
+        let own = drawn(json!({ "boat": "path:M0 0L9 0L9 9Z" }), "ink");
+        assert!(own.contains("d=\"M-1 -1L1 -1L1 1Z\"") && own.contains("#222222") && !own.contains("#0072b2"));
+        let refused = write(json!({ "boat": "path:\"><script>" }), "ink");
+        assert_eq!(refused["type"], "error", "{refused}");
     }
 
     #[test]

@@ -149,6 +149,8 @@ pub enum Response {
         presets: Vec<PresetView>,
         /// Range and meaning of every numeric parameter.
         ranges: Vec<RangeView>,
+        /// What points can be drawn as.
+        glyphs: Vec<GlyphView>,
     },
     /// What computes from now on.
     Engine {
@@ -174,7 +176,7 @@ pub enum Response {
         /// What it learns from.
         exemplar: PatternView,
         /// The points as they are now.
-        output: PatternView,
+        output: Box<PatternView>,
         /// All parameters of the run.
         parameters: Box<Parameters>,
         /// Where the run stands.
@@ -299,6 +301,25 @@ pub struct GalleryEntryView {
     pub pattern: PatternView,
 }
 
+/// What points can be drawn as.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct GlyphView {
+    /// Its name in requests.
+    pub name: String,
+    /// Its outline as SVG path data of `M`, `L`, `C` and `Z` with absolute coordinates, in radii, y downwards. Empty for
+    /// the disk and the ring, which are circles of radius 1.
+    pub outline: String,
+}
+
+/// How a class looks, nothing else being chosen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClassLookView {
+    /// Name of its glyph.
+    pub glyph: String,
+    /// Which of the eight colours.
+    pub color: usize,
+}
+
 /// A pattern as the page draws it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -307,6 +328,8 @@ pub struct PatternView {
     pub points: Points,
     /// Names of the classes.
     pub class_names: Vec<String>,
+    /// Their looks.
+    pub looks: Vec<ClassLookView>,
     /// Width and height in exemplar units.
     pub size: [f64; 2],
     /// Lower corner in the pattern's own unit.
@@ -329,6 +352,18 @@ pub struct Points {
     /// Class of every point; a `Uint16Array` on the page.
     #[serde(with = "typed_array::words")]
     pub classes: Vec<u16>,
+    /// Radius of every point in exemplar units; empty when the pattern gives none.
+    #[serde(with = "typed_array::floats")]
+    pub radii: Vec<f32>,
+    /// Size of every point against the exemplar's mean; empty when the pattern gives none.
+    #[serde(with = "typed_array::floats")]
+    pub scales: Vec<f32>,
+    /// Degrees every point is turned by, counter-clockwise as one sees it; empty when the pattern gives none.
+    #[serde(with = "typed_array::floats")]
+    pub turns: Vec<f32>,
+    /// How far behind every point stands; empty when the pattern gives none.
+    #[serde(with = "typed_array::floats")]
+    pub depths: Vec<f32>,
 }
 
 /// The statistics of one side.

@@ -8,14 +8,16 @@ use thiserror::Error;
 use crate::PointPattern;
 use crate::analysis::{AnalysisError, Curves, Judge};
 use crate::engine::gpu::{Gpu, probe};
+use crate::formats::Glyph;
+use crate::formats::style;
 use crate::gallery;
 use crate::method::{ParameterError, Parameters, Preset};
 use crate::pattern::PatternError;
 use crate::synthesis::{Event, Progress, Synthesis, SynthesisError, SynthesisState};
 
 use super::protocol::{
-    AdapterView, CurvesView, DefectsView, EngineChoice, EngineView, GalleryEntryView, PatternView, Points, PresetView,
-    QualityView, RangeView, Request, Response, Source,
+    AdapterView, ClassLookView, CurvesView, DefectsView, EngineChoice, EngineView, GalleryEntryView, GlyphView,
+    PatternView, Points, PresetView, QualityView, RangeView, Request, Response, Source,
 };
 
 /// Memory a run may take, in bytes. A 32-bit address space ends at 4 GB, a phone's patience well before.
@@ -62,8 +64,6 @@ fn without_place(error: &serde_json::Error) -> String {
 #[derive(Debug)]
 struct Run {
     synthesis: Synthesis,
-    /// Length of an exemplar unit in the exemplar's own unit.
-    unit: f64,
     /// Work since the last complete iteration, in milliseconds.
     pending_ms: f64,
     /// Iterations that came back since then: a device brings several at once.
@@ -84,11 +84,10 @@ fn smooth(old: Option<f64>, new: f64) -> Option<f64> {
 }
 
 impl Run {
-    fn new(synthesis: Synthesis, unit: f64) -> Self {
+    fn new(synthesis: Synthesis) -> Self {
         let done = synthesis.progress().done;
         Self {
             synthesis,
-            unit,
             pending_ms: 0.0,
             pending: 0,
             ms_per_iteration: None,
@@ -235,14 +234,13 @@ impl Session {
         self.change = self.gpu.as_ref().map(|gpu| (self.gpu_view(gpu), None));
         synthesis.use_gpu(self.gpu.clone(), DEVICE_MEMORY);
         let exemplar = synthesis.exemplar();
-        let unit = exemplar.domain().exemplar_unit();
         let response = Response::Started {
             exemplar: view(exemplar),
-            output: view_in_units(&synthesis.output()?, unit),
+            output: Box::new(view_beside(&synthesis.output()?, exemplar)),
             parameters: Box::new(synthesis.parameters().clone()),
             progress: synthesis.progress(),
         };
-        self.run = Some(Run::new(synthesis, unit));
+        self.run = Some(Run::new(synthesis));
         Ok(response)
     }
 
@@ -295,7 +293,7 @@ impl Session {
         let run = self.run.as_ref().ok_or(Refusal::NoRun)?;
         let progress: Progress = run.synthesis.progress();
         let moved = pull.moved || run.finished;
-        let points = if moved { Some(points(&run.synthesis.output()?, run.unit)) } else { None };
+        let points = if moved { Some(points(&run.synthesis.output()?, run.synthesis.exemplar())) } else { None };
         Ok(Response::Batch {
             events: pull.events,
             progress,
@@ -561,7 +559,9 @@ fn describe() -> Response {
             meaning: range.meaning.to_owned(),
         })
         .collect();
-    Response::Description { version: env!("CARGO_PKG_VERSION").to_owned(), engine: cpu(), presets, ranges }
+    let view = |glyph: &Glyph| GlyphView { name: glyph.name().to_owned(), outline: glyph.path_data() };
+    let glyphs = Glyph::all().iter().map(view).collect();
+    Response::Description { version: env!("CARGO_PKG_VERSION").to_owned(), engine: cpu(), presets, ranges, glyphs }
 }
 
 fn list_gallery() -> Response {
@@ -578,15 +578,19 @@ fn list_gallery() -> Response {
 }
 
 fn view(pattern: &PointPattern) -> PatternView {
-    view_in_units(pattern, pattern.domain().exemplar_unit())
+    view_beside(pattern, pattern)
 }
 
 /// An output is measured in its exemplar's unit, not in its own.
-fn view_in_units(pattern: &PointPattern, unit: f64) -> PatternView {
+fn view_beside(pattern: &PointPattern, exemplar: &PointPattern) -> PatternView {
     let domain = pattern.domain();
-    let own_unit = domain.exemplar_unit();
+    let (unit, own_unit) = (exemplar.domain().exemplar_unit(), domain.exemplar_unit());
+    let points = points(pattern, exemplar);
+    let styles = style::class_styles(pattern.class_names(), !points.radii.is_empty());
+    let looks = styles.iter().map(|style| ClassLookView { glyph: style.glyph.name().to_owned(), color: style.color });
     PatternView {
-        points: points(pattern, unit),
+        points,
+        looks: looks.collect(),
         class_names: pattern.class_names().to_vec(),
         size: (domain.size() / unit).into(),
         min: domain.min().into(),
@@ -612,10 +616,19 @@ fn narrow(values: &[f64], factor: f64) -> Vec<f32> {
     values.iter().map(|value| (value * factor) as f32).collect()
 }
 
-fn points(pattern: &PointPattern, unit: f64) -> Points {
-    let min = pattern.domain().min();
+fn points(pattern: &PointPattern, exemplar: &PointPattern) -> Points {
+    let (min, unit) = (pattern.domain().min(), exemplar.domain().exemplar_unit());
     let positions = pattern.positions().iter().flat_map(|&point| ((point - min) / unit).as_vec2().to_array()).collect();
-    Points { positions, classes: pattern.classes().to_vec() }
+    let look = style::attribute_look(pattern, exemplar);
+    let narrow = |values: Vec<f64>| narrow(&values, 1.0);
+    Points {
+        positions,
+        classes: pattern.classes().to_vec(),
+        radii: narrow(look.radii),
+        scales: narrow(look.scales),
+        turns: narrow(look.turns),
+        depths: narrow(look.depths),
+    }
 }
 
 #[cfg(test)]
@@ -896,6 +909,55 @@ mod tests {
         }
         let batch = run(&mut session, 1);
         assert_eq!(batch["progress"]["totalIterations"], json!(2), "the run before is still there");
+    }
+
+    #[test]
+    fn patterns_of_things_come_with_their_looks() {
+        let mut session = Session::new();
+        let glyphs = ask(&mut session, json!({ "type": "describe" }))["glyphs"].clone();
+        let named = |name: &str| glyphs.as_array().unwrap().iter().find(|glyph| glyph["name"] == name).unwrap().clone();
+        assert_eq!(named("disk")["outline"], "");
+        assert!(named("house")["outline"].as_str().unwrap().starts_with("M0 -1.45L1.4 -0.2L"), "{glyphs}");
+
+        let gallery = ask(&mut session, json!({ "type": "gallery" }));
+        let pattern = |name: &str| {
+            let entries = gallery["entries"].as_array().unwrap();
+            entries.iter().find(|entry| entry["name"] == name).unwrap()["pattern"].clone()
+        };
+        let looks = &pattern("houses")["looks"];
+        assert_eq!(looks, &json!([{ "glyph": "house", "color": 1 }, { "glyph": "tree", "color": 2 }]));
+        assert_eq!(pattern("grove")["looks"], json!([{ "glyph": "disk", "color": 2 }]), "crowns have a radius");
+        let lengths = |name: &str| {
+            let points = pattern(name)["points"].clone();
+            ["radii", "scales", "turns", "depths"].map(|list| points[list].as_array().unwrap().len())
+        };
+        assert_eq!(lengths("houses"), [0; 4]);
+        assert_eq!(lengths("grove"), [91, 0, 0, 0]);
+        assert_eq!(lengths("boats"), [0, 0, 72, 0]);
+        assert_eq!(lengths("meadow"), [0, 118, 0, 118]);
+
+        // In metres: radii in exemplar units, scales against the exemplar's mean, on both sides.
+        let mut exemplar = own([0.0, 0.0, 40.0, 20.0], &[1.0, 1.0, 20.0, 10.0, 30.0, 5.0, 10.0, 15.0]);
+        exemplar["pattern"]["attributes"] = json!([
+            { "name": "radius", "values": [4, 2, 1, 3] },
+            { "name": "scale", "values": [10, 30, 20, 20] },
+        ]);
+        let mut request = tiny(1);
+        request["exemplar"] = exemplar;
+        let started = ask(&mut session, request);
+        let list = |side: &str, name: &str| -> Vec<f64> {
+            started[side]["points"][name].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+        };
+        let near = |found: Vec<f64>, wanted: &[f64]| {
+            assert!(
+                found.len() == wanted.len() && found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6),
+                "{found:?}"
+            );
+        };
+        near(list("exemplar", "radii"), &[0.1, 0.05, 0.025, 0.075]);
+        near(list("exemplar", "scales"), &[0.5, 1.5, 1.0, 1.0]);
+        let allowed = |value: &f64| [0.1, 0.05, 0.025, 0.075].iter().any(|radius| (radius - value).abs() < 1e-6);
+        assert!(list("output", "radii").iter().all(allowed), "{started}");
     }
 
     #[test]

@@ -9,7 +9,7 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
-import { csvRows, downloadText, drop, farthest, iterations, launch, pause, peek, settled, status, withPage } from './browser.mjs';
+import { csvRows, downloadText, drop, farthest, iterations, launch, pause, peek, settled, status, useIt, withPage } from './browser.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -64,6 +64,7 @@ async function noted(page, words) {
 async function latticeAtStart(page, gpu) {
   await iterations(page, 1);
   await drop(page, 'lattice.csv', LATTICE);
+  await useIt(page);
   await page.waitForFunction(() => document.getElementById('exemplar-title')?.textContent === 'lattice.csv');
   await computesOn(page, gpu);
   await reset(page);

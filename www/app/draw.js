@@ -1,7 +1,9 @@
 // @ts-check
 /** Patterns on canvases: sharp on every screen, one colour and one shape a class, y downwards as in the SVG files. */
+import { fill, REACH, trace } from './glyphs.js';
 
 /** @typedef {import('./messages.js').Points} Points */
+/** @typedef {{ glyph: import('./glyphs.js').Glyph, colour: string }} Style how a class looks */
 
 /** Colours of the page, read from its style sheet so that they live in one place. */
 export function readColours() {
@@ -12,6 +14,8 @@ export function readColours() {
     line: get('--line'),
     lineStrong: get('--line-strong'),
     soft: get('--soft'),
+    card: get('--card'),
+    accent: get('--accent'),
     gram: get('--gram'),
     correlation: get('--correlation'),
     classes: Array.from({ length: 8 }, (_, index) => get(`--class-${index}`)),
@@ -40,8 +44,11 @@ export function prepare(canvas, width, height) {
   return context;
 }
 
+/** Marks are never smaller than this, in CSS pixels. */
+const LEAST_RADIUS = 0.6;
+
 /**
- * Traces one mark. Areas are alike, so that no class looks heavier than another.
+ * Traces the plain mark of a class, for drawing by hand. Areas are alike, so that no class looks heavier than another.
  *
  * @param {CanvasRenderingContext2D} context
  * @param {number} shape
@@ -49,7 +56,7 @@ export function prepare(canvas, width, height) {
  * @param {number} y
  * @param {number} r radius of the disk
  */
-function trace(context, shape, x, y, r) {
+export function traceMark(context, shape, x, y, r) {
   switch (shape % 4) {
     case 1:
       context.rect(x - 0.89 * r, y - 0.89 * r, 1.78 * r, 1.78 * r);
@@ -74,33 +81,126 @@ function trace(context, shape, x, y, r) {
 }
 
 /**
- * Draws all points, one path a class.
+ * The mark of a class alone, as a sign.
+ *
+ * @param {HTMLCanvasElement} canvas
+ * @param {Colours} colours
+ * @param {number} klass
+ * @param {boolean} many whether there is more than one class
+ */
+export function tracePreview(canvas, colours, klass, many) {
+  const context = prepare(canvas, 14, 14);
+  context.beginPath();
+  traceMark(context, many ? klass : 0, 7, 7, 4.6);
+  context.fillStyle = many ? colours.classes[klass % colours.classes.length] : colours.point;
+  context.fill();
+}
+
+/**
+ * From behind to the front, for patterns with depth: worked out once for a list of depths.
+ *
+ * @type {WeakMap<Float32Array, Uint32Array>}
+ */
+const orders = new WeakMap();
+
+/** @param {Points} points */
+function depthOrder({ depths, classes }) {
+  let order = orders.get(depths);
+  if (!order) {
+    order = Uint32Array.from(depths.keys()).sort((a, b) => depths[b] - depths[a] || classes[a] - classes[b]);
+    orders.set(depths, order);
+  }
+  return order;
+}
+
+/**
+ * Draws all points: one path a class where nothing stands before anything, else one by one from behind to the front.
  *
  * @param {CanvasRenderingContext2D} context
  * @param {Colours} colours
- * @param {Float32Array} positions
- * @param {Uint16Array} classes
- * @param {{ left: number, top: number, scale: number, radius: number, many: boolean }} how `many`: more than one class
+ * @param {Points} points
+ * @param {{ left: number, top: number, scale: number, radius: number, styles: Style[],
+ *   wrap?: readonly [number, number] | null }} how
+ *   `radius` of a mark whose size the pattern does not say, in CSS pixels; `wrap`: the size of a tile in exemplar
+ *   units, where what crosses its border is to come in on the other side
  */
-export function drawPoints(context, colours, positions, classes, { left, top, scale, radius, many }) {
-  const last = many ? classes.reduce((a, b) => Math.max(a, b), 0) : 0;
-  for (let shape = 0; shape <= last; shape++) {
-    context.beginPath();
-    for (let i = 0; i < classes.length; i++) {
-      if (many && classes[i] !== shape) continue;
-      trace(context, shape, left + positions[2 * i] * scale, top + positions[2 * i + 1] * scale, radius);
+export function drawPoints(context, colours, points, { left, top, scale, radius, styles, wrap = null }) {
+  const { positions, classes, radii, scales, turns, depths } = points;
+  const size = (/** @type {number} */ i) =>
+    Math.max(LEAST_RADIUS, i < radii.length ? radii[i] * scale : radius * (i < scales.length ? scales[i] : 1));
+  /**
+   * Calls `draw` wherever a point is to be seen.
+   *
+   * @param {number} i
+   * @param {(x: number, y: number, r: number, turn: number) => void} draw
+   */
+  const place = (i, draw) => {
+    const [x, y, r] = [positions[2 * i], positions[2 * i + 1], size(i)];
+    const turn = i < turns.length ? turns[i] : 0;
+    // As far as the margin around the tile, so that it shows what lies beyond the border.
+    const reach = (REACH * r + left) / scale;
+    for (const dx of wrap ? shifts(x, reach, wrap[0]) : HERE) {
+      for (const dy of wrap ? shifts(y, reach, wrap[1]) : HERE) draw(left + (x + dx) * scale, top + (y + dy) * scale, r, turn);
     }
-    context.fillStyle = many ? colours.classes[shape % colours.classes.length] : colours.point;
-    context.fill();
+  };
+  if (depths.length > 0) {
+    for (const i of depthOrder(points)) {
+      const style = styles[classes[i]];
+      if (!style) continue;
+      context.fillStyle = style.colour;
+      place(i, (x, y, r, turn) => fill(context, style.glyph, x, y, r, turn, colours.card));
+    }
+  } else {
+    for (const [number, style] of styles.entries()) {
+      context.fillStyle = style.colour;
+      const alone = style.glyph.path !== null;
+      if (!alone) context.beginPath();
+      for (let i = 0; i < classes.length; i++) {
+        if (classes[i] !== number) continue;
+        if (alone) place(i, (x, y, r, turn) => fill(context, style.glyph, x, y, r, turn, null));
+        else place(i, (x, y, r, turn) => trace(context, style.glyph, x, y, r, turn));
+      }
+      if (!alone) context.fill();
+    }
   }
 }
+
+const HERE = [0];
+
+/**
+ * Where else a mark on a torus has to be drawn, along one axis.
+ *
+ * @param {number} x
+ * @param {number} reach
+ * @param {number} side
+ */
+function shifts(x, reach, side) {
+  if (x < reach) return [0, side];
+  return x > side - reach ? [0, -side] : HERE;
+}
+
+/**
+ * Whether a pattern is one of things rather than dots: its marks are worth seeing as shapes.
+ *
+ * @param {Points} points
+ * @param {Style[]} styles
+ */
+export const areThings = (points, styles) =>
+  points.radii.length > 0 || points.scales.length > 0 || points.turns.length > 0 ||
+  styles.some(({ glyph }) => !PLAIN.includes(glyph.name));
+
+/** Marks that are still what they are when they are small. */
+const PLAIN = ['disk', 'ring', 'square', 'triangle', 'diamond'];
 
 /**
  * Radius of a point's mark in CSS pixels: a share of the mean distance between neighbours, so that structure shows.
  *
  * @param {number | null} spacing in exemplar units
  * @param {number} scale pixels an exemplar unit
+ * @param {boolean} things larger, so that shapes can be told apart
+ * @param {number} [most] the largest that looks well on the page
  */
-export function markRadius(spacing, scale) {
-  return Math.min(6, Math.max(0.9, 0.22 * (spacing ?? 0.05) * scale));
+export function markRadius(spacing, scale, things = false, most = things ? 16 : 6) {
+  const [share, least] = things ? [0.28, 1.1] : [0.22, 0.9];
+  return Math.min(most, Math.max(least, share * (spacing ?? 0.05) * scale));
 }

@@ -18,20 +18,22 @@
 // What the page asks.
 /** @typedef {{ type: 'read', name: string, bytes: Uint8Array, options: ReadOptions }} ReadRequest */
 /** @typedef {{ type: 'blobs', width: number, height: number, pixels: Uint8Array, options: BlobOptions }} BlobsRequest */
-/** @typedef {{ type: 'write', format: FileFormat, pattern: PatternData, title: string, tile: boolean }} WriteRequest */
+/** @typedef {{ type: 'write', format: FileFormat, pattern: PatternData, title: string, tile: boolean, glyphs: Record<string, string>, palette: string }} WriteRequest */
+/** @typedef {{ type: 'glyph', name: string }} GlyphRequest */
 /**
  * @typedef {{ type: 'write-project', title: string, preset: string, overrides: Parameters, exemplar: PatternData,
  *   output: PatternData | null, state: string | null }} WriteProjectRequest
  */
 /** @typedef {{ type: 'write-link', exemplar: LinkExemplar, preset: string, overrides: Parameters }} WriteLinkRequest */
 /** @typedef {{ type: 'read-link', fragment: string }} ReadLinkRequest */
-/** @typedef {ReadRequest | BlobsRequest | WriteRequest | WriteProjectRequest | WriteLinkRequest | ReadLinkRequest} FilesRequest */
+/** @typedef {ReadRequest | BlobsRequest | WriteRequest | GlyphRequest | WriteProjectRequest | WriteLinkRequest | ReadLinkRequest} FilesRequest */
 
 // What the worker answers.
 /** @typedef {{ type: 'read', pattern: PatternData, preview: Preview, project: Project | null }} ReadResponse */
 /** The file is a picture: its pixels have to come as `blobs`. @typedef {{ type: 'picture', kind: string }} PictureResponse */
 /** @typedef {{ type: 'blobs', pattern: PatternData, preview: Preview, threshold: number, ink: 'dark' | 'light' }} BlobsResponse */
 /** @typedef {{ type: 'written', bytes: Uint8Array, mime: string, extension: string }} WrittenResponse */
+/** @typedef {{ type: 'glyph', outline: string }} GlyphResponse */
 /** @typedef {{ type: 'link-written', fragment: string, pattern: PatternData, exact: boolean }} LinkWrittenResponse */
 /**
  * @typedef {{ type: 'link-read', exemplar: LinkExemplar, preset: string, overrides: Parameters, parameters: Parameters,
@@ -39,7 +41,7 @@
  */
 /** @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null }} FilesErrorResponse */
 /**
- * @typedef {ReadResponse | PictureResponse | BlobsResponse | WrittenResponse | LinkWrittenResponse | LinkReadResponse
+ * @typedef {ReadResponse | PictureResponse | BlobsResponse | WrittenResponse | GlyphResponse | LinkWrittenResponse | LinkReadResponse
  *   | FilesErrorResponse} FilesResponse
  */
 

@@ -69,12 +69,22 @@ export class Files {
    *
    * @param {FileFormat} format
    * @param {PatternData} pattern
-   * @param {{ title?: string, tile?: boolean }} [options] `tile`: an SVG that ends at the domain's border, so that copies side by side
-   *   are seamless
+   * @param {{ title?: string, tile?: boolean, glyphs?: Record<string, string>, palette?: string }} [options] `tile`: an SVG that ends at
+   *   the domain's border, so that copies side by side are seamless; `glyphs` and `palette`: how its classes look, see `look.js`
    * @returns {Promise<WrittenResponse>}
    */
-  write(format, pattern, { title = '', tile = false } = {}) {
-    return this.#ask({ type: 'write', format, pattern, title, tile });
+  write(format, pattern, { title = '', tile = false, glyphs = {}, palette = '' } = {}) {
+    return this.#ask({ type: 'write', format, pattern, title, tile, glyphs, palette });
+  }
+
+  /**
+   * The outline of a glyph as path data, in radii.
+   *
+   * @param {string} name of a built-in one, or `path:` and SVG path data
+   * @returns {Promise<string>}
+   */
+  async glyph(name) {
+    return (await this.#ask({ type: 'glyph', name })).outline;
   }
 
   /**

@@ -32,7 +32,7 @@
  */
 
 // What the worker answers.
-/** @typedef {{ type: 'description', version: string, engine: EngineView, presets: PresetView[], ranges: RangeView[] }} DescriptionResponse */
+/** @typedef {{ type: 'description', version: string, engine: EngineView, presets: PresetView[], ranges: RangeView[], glyphs: GlyphView[] }} DescriptionResponse */
 /** @typedef {{ type: 'engine', engine: EngineView, note: string | null, adapter: AdapterView | null }} EngineResponse the worker adds `adapter` */
 /** @typedef {{ type: 'gallery', entries: GalleryEntryView[] }} GalleryResponse */
 /** @typedef {{ type: 'opened', exemplar: PatternView, pattern: PatternData }} OpenedResponse */
@@ -66,9 +66,15 @@
 /** @typedef {{ name: string, title: string, meaning: string, parameters: Parameters }} PresetView */
 /** @typedef {{ name: string, min: number, max: number, whole: boolean, meaning: string }} RangeView */
 /** @typedef {{ name: string, title: string, caption: string, pattern: PatternView }} GalleryEntryView */
-/** @typedef {{ positions: Float32Array, classes: Uint16Array }} Points */
+/** @typedef {{ name: string, outline: string }} GlyphView */
+/** @typedef {{ glyph: string, color: number }} ClassLookView */
 /**
- * @typedef {{ points: Points, classNames: string[], size: [number, number], min: [number, number], unit: number,
+ * The last four are empty where the pattern does not say; see `src/web/protocol.rs` for their units.
+ * @typedef {{ positions: Float32Array, classes: Uint16Array, radii: Float32Array, scales: Float32Array,
+ *   turns: Float32Array, depths: Float32Array }} Points
+ */
+/**
+ * @typedef {{ points: Points, classNames: string[], looks: ClassLookView[], size: [number, number], min: [number, number], unit: number,
  *   boundary: 'open' | 'periodic', spacing: number | null }} PatternView
  */
 /**

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use pointweave::analysis::{self, Analysis, Comparison, Scales};
+use pointweave::analysis::{self, Analysis, Comparison, MarkError, Scales};
 use pointweave::formats::ReadOptions;
 use pointweave::{Domain, PointPattern};
 use serde::Serialize;
@@ -22,6 +22,10 @@ use crate::settings::{self, BoundaryArgument};
 /// Quality is 0 for points placed by chance and 1 for A tiled onto B's domain. It is the mean of three: the arrangement
 /// of pairs within 3.5 mean spacings, how well B's neighbourhoods are found in A (detail), and A's in B (variety). A
 /// random pattern has a lower ceiling than 1: an independent sample of the same process.
+///
+/// With several classes or attributes it also says how far their curves are from A's (the pair correlation of each
+/// pair of classes, the mark correlation of each attribute; mean squared differences), and how far they would be with
+/// B's classes, or the values within its classes, given out at random.
 #[derive(Debug, Args)]
 #[command(after_long_help = "\
 Examples:
@@ -191,6 +195,32 @@ fn two_table(two: &Two) -> String {
         row("  pair correlation error", format!("{:.5}", patches.pair_correlation_error));
         row("  the same, kernel of 0.01 r_max", format!("{:.5}", patches.narrow_pair_correlation_error));
         row("  relative radius ρ", format!("{:.4}", patches.relative_radius));
+    }
+    if let Some(marks) = &comparison.marks {
+        text.push_str(&mark_table(marks));
+    }
+    text
+}
+
+/// Classes and attributes, each against the same points with its marks given out at random.
+fn mark_table(marks: &analysis::MarkComparison) -> String {
+    let mut text = format!("\n{:<36}{:>12}{:>12}{:>12}\n", "classes and attributes", "error", "at random", "better");
+    let mut row = |name: &str, one: &MarkError| {
+        let better = format!("{:.1} ×", one.factor());
+        let _ = writeln!(text, "{name:<36}{:>12.5}{:>12.5}{better:>12}", one.error, one.random);
+    };
+    let name = |class: u16| marks.class_names.get(usize::from(class)).map_or("?", String::as_str);
+    for pair in &marks.class_pairs {
+        row(&format!("pairs of {}, {}", name(pair.a), name(pair.b)), &pair.error);
+    }
+    if let Some(mean) = &marks.classes {
+        row("all pairs of classes", mean);
+    }
+    for attribute in &marks.attributes {
+        row(&format!("mark correlation of {}", attribute.name), &attribute.error);
+    }
+    if let (Some(mean), true) = (&marks.marks, marks.attributes.len() > 1) {
+        row("all attributes", mean);
     }
     text
 }

@@ -4,8 +4,9 @@ use std::fs::{self, File};
 use std::io::{self, IsTerminal as _, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
-use pointweave::formats::{self, PngStyle, ReadOptions, SvgStyle};
+use clap::{Args, ValueEnum};
+use pointweave::formats::style::{Look, Palette};
+use pointweave::formats::{self, Glyph, PngStyle, ReadOptions, SvgStyle};
 use pointweave::{PointPattern, gallery};
 
 use crate::failure::Failure;
@@ -25,6 +26,51 @@ pub(crate) enum Format {
     Npy,
 }
 
+/// How an SVG or PNG shows the points.
+#[derive(Debug, Default, Args)]
+pub(crate) struct LookArguments {
+    /// In an SVG or PNG, the shape of a class's points: disk, ring, square, triangle, diamond, tree, house, star, arrow,
+    /// or path: and SVG path data; may be repeated [default: what the class's name says]
+    #[arg(long = "glyph", value_name = "CLASS=NAME", value_parser = parse_glyph)]
+    glyphs: Vec<(String, Glyph)>,
+    /// In an SVG or PNG, the colours of the classes: okabe-ito, bright or ink
+    #[arg(long, default_value = "okabe-ito", value_parser = parse_palette)]
+    palette: Palette,
+}
+
+fn parse_glyph(text: &str) -> Result<(String, Glyph), String> {
+    match text.split_once('=') {
+        Some((class, name)) if !class.is_empty() => match Glyph::from_name(name) {
+            Ok(glyph) => Ok((class.to_owned(), glyph)),
+            Err(error) => Err(error.to_string()),
+        },
+        _ => Err("'class=name' is needed, as in 'oak=tree' or 'oak=path:M0 0L9 0L9 9Z'".to_owned()),
+    }
+}
+
+fn parse_palette(text: &str) -> Result<Palette, String> {
+    let names = Palette::ALL.map(Palette::name).join(", ");
+    Palette::from_name(text).ok_or_else(|| format!("there are {names}"))
+}
+
+impl LookArguments {
+    /// Refuses a glyph for a class that the pattern does not have.
+    pub(crate) fn check(&self, pattern: &PointPattern) -> Result<(), Failure> {
+        let names = pattern.class_names();
+        match self.glyphs.iter().find(|(class, _)| !names.contains(class)) {
+            Some((class, _)) => {
+                let known = names.join("', '");
+                Err(Failure::Usage(format!("--glyph: the pattern has no class '{class}'; it has '{known}'")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn look(&self) -> Look {
+        Look { palette: self.palette, glyphs: self.glyphs.clone(), ..Look::default() }
+    }
+}
+
 /// Where a pattern goes, settled before any work is done.
 #[derive(Debug)]
 pub(crate) struct Output {
@@ -32,11 +78,17 @@ pub(crate) struct Output {
     path: Option<PathBuf>,
     format: Format,
     png_size: u32,
+    look: Look,
 }
 
 impl Output {
     /// Settles the format, and refuses what is sure to fail later.
-    pub(crate) fn new(path: Option<&Path>, format: Option<Format>, png_size: u32) -> Result<Self, Failure> {
+    pub(crate) fn new(
+        path: Option<&Path>,
+        format: Option<Format>,
+        png_size: u32,
+        look: &LookArguments,
+    ) -> Result<Self, Failure> {
         let path = path.filter(|path| path.as_os_str() != "-");
         let extension = path.and_then(Path::extension).and_then(|extension| extension.to_str());
         let by_name = extension.and_then(|extension| Format::from_str(extension, true).ok());
@@ -56,7 +108,7 @@ impl Output {
         if let Some(path) = path {
             check_writable(path)?;
         }
-        Ok(Self { path: path.map(Path::to_owned), format, png_size })
+        Ok(Self { path: path.map(Path::to_owned), format, png_size, look: look.look() })
     }
 
     /// Where it goes, for a person.
@@ -71,11 +123,11 @@ impl Output {
             Format::Json => formats::write_json(pattern).into_bytes(),
             Format::Npy => formats::write_npy(pattern),
             Format::Svg => {
-                let style = SvgStyle { title: title.to_owned(), ..SvgStyle::default() };
+                let style = SvgStyle { title: title.to_owned(), look: self.look.clone(), ..SvgStyle::default() };
                 formats::write_svg(pattern, &style).into_bytes()
             }
             Format::Png => {
-                let style = PngStyle { size_px: self.png_size, ..PngStyle::default() };
+                let style = PngStyle { size_px: self.png_size, look: self.look.clone() };
                 formats::write_png(pattern, &style).map_err(|error| Failure::Run(error.to_string()))?
             }
         };

@@ -6,7 +6,7 @@ use clap::Args;
 use pointweave::gallery;
 
 use crate::failure::Failure;
-use crate::files::{self, Format, Output};
+use crate::files::{self, Format, LookArguments, Output};
 
 /// List the built-in exemplars, or write one of them.
 ///
@@ -17,7 +17,8 @@ use crate::files::{self, Format, Output};
 Examples:
   pointweave gallery
   pointweave gallery rings > rings.csv
-  pointweave gallery rings -o rings.svg --seed 3")]
+  pointweave gallery rings -o rings.svg --seed 3
+  pointweave gallery houses -o village.png --glyph tree=disk --palette bright")]
 pub(crate) struct GalleryArguments {
     /// Which exemplar to write
     name: Option<String>,
@@ -33,14 +34,17 @@ pub(crate) struct GalleryArguments {
     /// Longer side of a PNG in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=8192))]
     png_size: u32,
+    #[command(flatten)]
+    look: LookArguments,
 }
 
 /// Lists or exports.
 pub(crate) fn run(arguments: &GalleryArguments) -> Result<(), Failure> {
     let Some(name) = &arguments.name else { return files::write_stdout(list().as_bytes()) };
     let entry = files::find_entry(name)?;
-    let output = Output::new(arguments.output.as_deref(), arguments.format, arguments.png_size)?;
+    let output = Output::new(arguments.output.as_deref(), arguments.format, arguments.png_size, &arguments.look)?;
     let pattern = arguments.seed.map_or_else(|| entry.exemplar(), |seed| entry.generate(seed));
+    arguments.look.check(&pattern)?;
     output.write(&pattern, entry.title)
 }
 

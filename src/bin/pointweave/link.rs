@@ -9,7 +9,7 @@ use pointweave::formats::link::{Link, LinkExemplar, read_link, write_link};
 use pointweave::method::{Cost, Parameters, Preset};
 
 use crate::failure::Failure;
-use crate::files::{self, Format, Output};
+use crate::files::{self, Format, LookArguments, Output};
 use crate::settings::{self, BoundaryArgument, PresetArgument};
 
 /// Write and read share links.
@@ -111,7 +111,7 @@ fn encode(arguments: &EncodeArguments) -> Result<(), Failure> {
 }
 
 fn decode(arguments: &DecodeArguments) -> Result<(), Failure> {
-    let output = Output::new(arguments.output.as_deref(), arguments.format, 1024)?;
+    let output = Output::new(arguments.output.as_deref(), arguments.format, 1024, &LookArguments::default())?;
     let fragment = arguments.link.split_once('#').map_or(arguments.link.as_str(), |(_, fragment)| fragment);
     let link = read_link(fragment.trim()).map_err(failed)?;
     let parameters = link.parameters().map_err(failed)?;

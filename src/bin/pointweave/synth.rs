@@ -13,7 +13,7 @@ use pointweave::synthesis::{Event, Synthesis, SynthesisError, SynthesisState};
 
 use crate::device::{self, DEVICE_MEMORY, EngineArgument};
 use crate::failure::Failure;
-use crate::files::{self, Format, Output};
+use crate::files::{self, Format, LookArguments, Output};
 use crate::memory;
 use crate::settings::{self, BoundaryArgument, PresetArgument};
 
@@ -44,6 +44,8 @@ pub(crate) struct SynthArguments {
     /// Longer side of a PNG in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=8192))]
     png_size: u32,
+    #[command(flatten)]
+    look: LookArguments,
 
     /// Size of the result in sizes of the exemplar: one number, or width x height as in 2x3 [default: 2]
     #[arg(long, value_name = "N|WxH", value_parser = settings::parse_scale)]
@@ -101,6 +103,7 @@ Examples:
   cat points.txt | pointweave synth - > more.csv
   pointweave synth a.csv -o a.svg --max-iterations 100 --save-state a.state
   pointweave synth --resume a.state -o a.svg
+  pointweave synth gallery:houses -o village.svg --glyph tree=disk --palette bright
 
 {}",
         settings::describe_parameters()
@@ -109,7 +112,7 @@ Examples:
 
 /// Runs the method and writes the result.
 pub(crate) fn run(arguments: SynthArguments) -> Result<(), Failure> {
-    let output = Output::new(arguments.output.as_deref(), arguments.format, arguments.png_size)?;
+    let output = Output::new(arguments.output.as_deref(), arguments.format, arguments.png_size, &arguments.look)?;
     if let Some(path) = &arguments.save_state {
         files::check_writable(path)?;
     }
@@ -120,6 +123,7 @@ pub(crate) fn run(arguments: SynthArguments) -> Result<(), Failure> {
 
     let started = Instant::now();
     let mut synthesis = begin(&arguments, memory_limit)?;
+    arguments.look.check(synthesis.exemplar())?;
     let speaking = !arguments.quiet && stderr().is_terminal();
     let gpu = device::choose(arguments.engine)?;
     synthesis.use_gpu(gpu, DEVICE_MEMORY);
