@@ -28,7 +28,7 @@ struct Module {
 /// needed.
 const MODULES: [Module; 2] = [
     Module { name: "pointweave", feature: "engine-module", profile: "wasm", gzip_budget: 400_000 },
-    Module { name: "pointweave_files", feature: "files-module", profile: "wasm-files", gzip_budget: 160_000 },
+    Module { name: "pointweave_files", feature: "files-module", profile: "wasm-files", gzip_budget: 320_000 },
 ];
 
 impl Module {
