@@ -103,7 +103,9 @@ describe('patterns of things', () => {
     assert.ok((await downloadText(page, 'Download SVG')).text.includes('#ee6677'));
     assert.ok((await painted(page, '#exemplar-canvas', HOUSES)).count > 60, 'the canvas has the new colour');
     await page.reload();
-    await choose(page, 'Houses among trees');
+    // A reload keeps the exemplar, and a paused run stays paused.
+    await page.waitForFunction(() => document.getElementById('exemplar-title')?.textContent === 'Houses among trees');
+    await page.waitForFunction(() => /** @type {any} */ (window).pointweave?.look.palette === 'bright');
     assert.deepEqual(await peek(page, 'look'), { glyphs: { house: 'star' }, palette: 'bright' });
     assert.ok(await page.getByLabel('Soft').isChecked());
   });
