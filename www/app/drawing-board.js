@@ -82,7 +82,8 @@ export class DrawingBoard {
     window.addEventListener('resize', () => this.layout());
     window.addEventListener('themechange', () => {
       this.#colours = readColours();
-      this.draw();
+      // Draws as well, where the editor is open.
+      this.layout();
     });
   }
 
