@@ -232,7 +232,7 @@ describe('the editor', () => {
     await click(page, [0.7, 0.5]);
     const radii = async () => (await drawing(page)).attributes[0].values;
     assert.equal((await drawing(page)).attributes.length, 0);
-    await page.getByLabel('Sizes').check();
+    await page.getByLabel('Sizes', { exact: true }).check();
     const [start] = await radii();
     assert.ok(start > 0.002 && start < 0.05, `${start}`);
     const to = await screen(page);
@@ -259,7 +259,7 @@ describe('the editor', () => {
     await page.mouse.move(...to([0.5, 0.2]));
     await page.mouse.wheel(0, -120);
     near(await radii(), [0.1, start], 1e-3);
-    await page.getByLabel('Sizes').uncheck();
+    await page.getByLabel('Sizes', { exact: true }).uncheck();
     assert.equal((await drawing(page)).attributes.length, 0);
   });
 
@@ -387,7 +387,7 @@ describe('the editor', () => {
     await parameter(page, 'boundary', 'periodic');
     const total = Number((await page.locator('#exemplar-count').innerText()).match(/\d+/)?.[0]);
     await page.getByRole('button', { name: 'Edit', exact: true }).click();
-    assert.match(await says(page), /copy of Rings/);
+    await page.locator('#editor-status', { hasText: 'copy of Rings' }).waitFor();
     const copy = await drawing(page);
     assert.deepEqual([copy.classes.length, copy.boundary], [total, 'periodic']);
     await page.getByRole('radio', { name: 'Window' }).check();
@@ -433,7 +433,7 @@ describe('the editor', () => {
   pageTest('fits on a small screen', { viewport: { width: 360, height: 740 } }, async (page) => {
     await openBlank(page);
     await page.getByRole('button', { name: '+ Class' }).click();
-    await page.getByLabel('Sizes').check();
+    await page.getByLabel('Sizes', { exact: true }).check();
     await page.getByText('Keys and gestures', { exact: true }).click();
     for (const width of [360, 700, 900, 1200]) {
       await page.setViewportSize({ width, height: 740 });
