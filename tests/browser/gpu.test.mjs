@@ -18,7 +18,7 @@ const LATTICE = ['x,y', ...Array.from({ length: 16 }, (_, i) => `${((i % 4) + 0.
 /** About two million operations an iteration. */
 const TINY = 'test=1&with=channels:8,grid-min:16,grid-max:16';
 /** The same without an end in sight, for runs that are to be paused. */
-const ENDLESS = `${TINY},iterations-coarse:5000,convergence-tolerance:0`;
+const ENDLESS = `${TINY},iterations-coarse:5000,convergence-window:5000`;
 /** The check takes 5 s alone, 8 s beside a run, on an idle machine. */
 const CHECKED = 120_000;
 
