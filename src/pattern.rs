@@ -171,7 +171,7 @@ pub struct PointPattern {
 
 /// The serialised form of [`PointPattern`], checked on the way in.
 #[derive(Serialize, Deserialize)]
-struct RawPattern {
+pub(crate) struct RawPattern {
     domain: Domain,
     #[serde(default)]
     boundary: Boundary,
@@ -212,7 +212,7 @@ impl From<PointPattern> for RawPattern {
     }
 }
 
-fn check_name(name: &str) -> Result<(), PatternError> {
+pub(crate) fn check_name(name: &str) -> Result<(), PatternError> {
     let refuse = |reason| Err(PatternError::Name { name: name.to_owned(), reason });
     if name.trim().is_empty() {
         return refuse("it is empty");

@@ -20,6 +20,7 @@ fn look(bytes: &[u8], name: &str) -> Option<Reading> {
         }
         Err(error) => {
             assert!(!error.to_string().is_empty());
+            assert!(!matches!(error, FormatError::Pattern(_)), "a refusal without a place: {error}");
             if let Some((line, column)) = error.position() {
                 assert!(line > 0 && column != Some(0), "{error}");
             }
