@@ -5,6 +5,7 @@ use std::fs;
 
 use glam::DVec2;
 use pointweave::formats::link::{Link, LinkError, LinkExemplar, MAX_LENGTH, SHORT, Written, read_link, write_link};
+use pointweave::method::editions::EDITION;
 use pointweave::method::{Parameters, Preset};
 use pointweave::sampling::{Purpose, Rng, poisson_disk, white_noise};
 use pointweave::{Attribute, Boundary, Domain, PointPattern, gallery};
@@ -400,6 +401,56 @@ fn golden_links_decode_for_ever() {
         let expected: PointPattern = serde_json::from_value(case["exemplar"].clone()).unwrap();
         assert_eq!(pattern(&link), expected, "{name}");
     }
+}
+
+const PRESETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/link/presets.json");
+
+/// What the links of an edition that name a preset and nothing else mean, for a lattice and for another exemplar.
+fn presets_of(edition: u32) -> Value {
+    let mut presets = Map::new();
+    for preset in Preset::ALL {
+        let of = |exemplar: &str| {
+            let fragment = format!("v=1&preset={}&presets={edition}&exemplar={exemplar}", preset.name());
+            serde_json::to_value(read_link(&fragment).unwrap().parameters().unwrap()).unwrap()
+        };
+        presets.insert(preset.name().to_owned(), json!({ "lattice": of("square-grid"), "other": of("rings") }));
+    }
+    json!({ "edition": edition, "presets": presets })
+}
+
+/// When this fails because a preset has changed, see `src/method/editions.rs`.
+#[test]
+fn links_keep_the_presets_they_were_made_with() {
+    let golden: Vec<Value> = serde_json::from_str(&fs::read_to_string(PRESETS).unwrap()).unwrap();
+    let editions: Vec<u32> = golden.iter().map(|it| it["edition"].as_u64().unwrap() as u32).collect();
+    assert_eq!(editions, (1..=EDITION).collect::<Vec<u32>>(), "every edition is recorded");
+    for (edition, recorded) in editions.into_iter().zip(golden) {
+        for (preset, exemplars) in recorded["presets"].as_object().unwrap() {
+            for (exemplar, parameters) in exemplars.as_object().unwrap() {
+                let now = &presets_of(edition)["presets"][preset][exemplar];
+                for (name, value) in parameters.as_object().unwrap() {
+                    assert_eq!(
+                        &now[name], value,
+                        "links of edition {edition} with {preset} have got another {name} ({exemplar} exemplar): \
+                         src/method/editions.rs says what to do"
+                    );
+                }
+            }
+        }
+    }
+    let later = read_link(&format!("v=1&presets={}", EDITION + 1)).unwrap();
+    assert!(later.notes[0].contains("later presets"), "{:?}", later.notes);
+}
+
+/// Records what links of the present edition mean. Only as long as none are about: afterwards presets get a new edition.
+#[test]
+#[ignore = "writes what another test compares with"]
+fn record_the_presets() {
+    let text = fs::read_to_string(PRESETS).unwrap_or_else(|_| "[]".to_owned());
+    let mut golden: Vec<Value> = serde_json::from_str(&text).unwrap();
+    golden.retain(|it| it["edition"].as_u64() != Some(EDITION.into()));
+    golden.push(presets_of(EDITION));
+    fs::write(PRESETS, serde_json::to_string_pretty(&golden).unwrap() + "\n").unwrap();
 }
 
 /// Writes the golden links of this version, for whoever adds one: `cargo test --test link -- --ignored --nocapture`.

@@ -23,12 +23,16 @@ use crate::pattern::{PatternError, PointPattern, RawPattern};
 /// Most commas: every value but one costs a comma, and the largest pattern needs a tenth of this. It bounds the
 /// memory that nested empty lists could take.
 const MAX_COMMAS: usize = 3_000_000;
+/// Most objects: each takes hundreds of bytes, and a feature of GeoJSON is three of them.
+const MAX_OBJECTS: usize = 200_000;
 
 /// Reads any of the JSON layouts.
 pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatError> {
-    if let Some((byte, _)) = text.bytes().enumerate().filter(|&(_, byte)| byte == b',').nth(MAX_COMMAS) {
-        let message = format!("there are more than {MAX_COMMAS} values; a pattern has fewer");
-        return Err(layout_at(Some(place(text, byte)), message));
+    for (sign, max, what) in [(b',', MAX_COMMAS, "values"), (b'{', MAX_OBJECTS, "objects")] {
+        if let Some((byte, _)) = text.bytes().enumerate().filter(|&(_, byte)| byte == sign).nth(max) {
+            let message = format!("there are more than {max} {what}; a pattern has fewer");
+            return Err(layout_at(Some(place(text, byte)), message));
+        }
     }
     match serde_json::from_str(text).map_err(|error| located(&error))? {
         Value::Array(points) => {
@@ -36,7 +40,12 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
             points_table(&points, &places, Declared::default())?.into_reading(FileFormat::Json, options)
         }
         Value::Object(object) if project::is_project(&object) => project::read(text, object, options),
-        Value::Object(object) if object.contains_key("positions") => own(text, &object, options),
+        Value::Object(object) if object.contains_key("positions") => {
+            let has_domain = object.contains_key("domain");
+            // It is read once more, and need not be there twice.
+            drop(object);
+            own(text, has_domain, options)
+        }
         Value::Object(object) if geojson::is_geojson(&object) => geojson::read(text, &object, options),
         Value::Object(object) => match object.get("points") {
             Some(Value::Array(points)) => {
@@ -76,10 +85,10 @@ struct Positions {
 }
 
 /// The layout of [`PointPattern`] itself; without a domain the usual rule finds one.
-fn own(text: &str, object: &Map<String, Value>, options: &ReadOptions) -> Result<Reading, FormatError> {
-    let is_domain_declared = options.domain.is_some() || object.contains_key("domain");
+fn own(text: &str, has_domain: bool, options: &ReadOptions) -> Result<Reading, FormatError> {
+    let is_domain_declared = options.domain.is_some() || has_domain;
     // From the text, not from the values: so a wrong one has a line and a column.
-    let raw: RawPattern = if object.contains_key("domain") {
+    let raw: RawPattern = if has_domain {
         serde_json::from_str(text).map_err(|error| located(&error))?
     } else {
         let Positions { positions } = serde_json::from_str(text).map_err(|error| located(&error))?;

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `v` | version of the layout: 1 |
 //! | `preset` | `fast` when left out |
+//! | `presets` | edition of the presets' values, see [`crate::method::editions`]; 1 when left out |
 //! | a parameter's name | its value, where it differs from the preset's as it suits the exemplar |
 //! | `exemplar` | name of a built-in exemplar; `rings` when there are no points either |
 //! | `points` | the exemplar's points, see below |
@@ -58,6 +59,7 @@ use super::declaration::number_text;
 use super::error::clip;
 use crate::domain::{Boundary, Domain};
 use crate::gallery;
+use crate::method::editions::{EDITION, values_before};
 use crate::method::{Parameters, Preset};
 use crate::pattern::{PatternError, PointPattern};
 
@@ -68,6 +70,8 @@ pub const SHORT: usize = 2000;
 /// A short link may move a point by half a step, and this many steps make the mean spacing at least.
 const STEPS_PER_SPACING: f64 = 200.0;
 const VERSION: &str = "1";
+/// What links that say nothing mean.
+const FIRST_EDITION: u32 = 1;
 const DEFAULT_EXEMPLAR: &str = "rings";
 /// The parameters that are words.
 const CHOICES: [&str; 5] = ["boundary", "start", "learning-rate-unit", "class-order", "class-maps"];
@@ -255,6 +259,9 @@ fn rounding(sheet: &Sheet, precision: Precision, spacing: f64) -> String {
 /// The fragment but for the points. The exemplar must be as the receiver will have it.
 fn link_text(link: &Link) -> Result<String, LinkError> {
     let mut text = format!("v={VERSION}&preset={}", link.preset.name());
+    if EDITION > FIRST_EDITION {
+        text.push_str(&format!("&presets={EDITION}"));
+    }
     let plain = Link { overrides: Map::new(), ..link.clone() };
     let (wanted, plain) = (fields(&link.parameters()?), fields(&plain.parameters()?));
     for name in Parameters::RANGES.iter().map(|range| range.name).chain(CHOICES) {
@@ -348,6 +355,15 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
             None => {
                 notes.push(format!("'{name}' was {:?}, which it can't be; the preset's value is used.", clip(text)))
             }
+        }
+    }
+    let edition = get("presets").map_or(FIRST_EDITION, |text| text.parse().unwrap_or(u32::MAX));
+    if edition > EDITION {
+        notes.push("The link was made with later presets; those of this program are used.".to_owned());
+    } else if edition < EDITION {
+        let pattern = exemplar.pattern().ok_or(LinkError::Points("there is no exemplar"))?;
+        for (name, value) in values_before(edition, preset, &pattern) {
+            overrides.entry(name).or_insert(value);
         }
     }
     let mut link = Link { exemplar, preset, overrides, notes };

@@ -224,7 +224,7 @@ impl<'a> Reader<'a> {
     /// What style sheets say of an element.
     fn styles(&self, node: Node) -> Result<Styles<'a>, FormatError> {
         let is_long = |name: &&str| node.attribute(*name).is_some_and(|text| text.len() > MAX_STYLE_LENGTH);
-        if ["style", "class", "transform"].iter().any(|name| is_long(name)) {
+        if ["style", "class", "transform"].iter().any(is_long) {
             return self.refuse(node, &format!("a style, class or transform has more than {MAX_STYLE_LENGTH} bytes"));
         }
         match self.sheet.styles(node) {
