@@ -314,6 +314,8 @@ fn limits() {
     let declared: String = (0..17).map(|i| format!("c{i},")).collect();
     refused(&format!("# classes: {declared}d\n0 0 d"), &["line 1, column 17", "more than 16 classes"]);
     let announced: String = (1..=17).map(|i| format!(" {i}000")).collect();
+    refused(&format!("1 2\n2 0 0{}", " 0".repeat(9)), &["line 2, column 12", "more than 8 attributes"]);
+    refused(&format!("1 {zeros}1\n{zeros}1 0 0", zeros = "0".repeat(70)), &["line 2, column 3", "2 are needed"]);
     refused(&format!("17{announced}\n1000 5 5"), &["line 1, column 18", "more than 16 classes"]);
     let wide = |count: usize| {
         let names: String = (0..count).map(|i| format!(",a{i}")).collect();
