@@ -41,10 +41,9 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
         }
         Value::Object(object) if project::is_project(&object) => project::read(text, object, options),
         Value::Object(object) if object.contains_key("positions") => {
-            let has_domain = object.contains_key("domain");
             // It is read once more, and need not be there twice.
             drop(object);
-            own(text, has_domain, options)
+            own(text, options)
         }
         Value::Object(object) if geojson::is_geojson(&object) => geojson::read(text, &object, options),
         Value::Object(object) => match object.get("points") {
@@ -78,34 +77,18 @@ pub fn write_json(pattern: &PointPattern) -> String {
     text
 }
 
-/// Only the positions.
-#[derive(serde::Deserialize)]
-struct Positions {
-    positions: Vec<[f64; 2]>,
-}
-
 /// The layout of [`PointPattern`] itself; without a domain the usual rule finds one.
-fn own(text: &str, has_domain: bool, options: &ReadOptions) -> Result<Reading, FormatError> {
-    let is_domain_declared = options.domain.is_some() || has_domain;
+fn own(text: &str, options: &ReadOptions) -> Result<Reading, FormatError> {
     // From the text, not from the values: so a wrong one has a line and a column.
-    let raw: RawPattern = if has_domain {
-        serde_json::from_str(text).map_err(|error| located(&error))?
-    } else {
-        let Positions { positions } = serde_json::from_str(text).map_err(|error| located(&error))?;
-        if positions.is_empty() {
+    let mut raw: RawPattern = serde_json::from_str(text).map_err(|error| located(&error))?;
+    let is_domain_declared = options.domain.or(raw.domain).is_some();
+    if raw.domain.is_none() {
+        if raw.positions.is_empty() {
             return Err(FormatError::NoPoints);
         }
-        let positions: Vec<DVec2> = positions.into_iter().map(DVec2::from).collect();
-        let domain = match options.domain {
-            Some(domain) => domain,
-            None => guess_domain(&positions)?,
-        };
-        let domain = serde_json::to_string(&domain).map_err(|error| located(&error))?;
-        // Last, so that all places stay.
-        let rest = text.trim_end();
-        let rest = rest.strip_suffix('}').unwrap_or(rest);
-        serde_json::from_str(&format!("{rest},\"domain\":{domain}}}")).map_err(|error| located(&error))?
-    };
+        let positions: Vec<DVec2> = raw.positions.iter().copied().map(DVec2::from).collect();
+        raw.domain = Some(options.domain.map_or_else(|| guess_domain(&positions), Ok)?);
+    }
     let pattern = PointPattern::try_from(raw).and_then(|pattern| options.apply(pattern));
     let mut reading = Reading::new(FileFormat::Json, pattern.map_err(|error| misfit(text, &[], &error))?);
     reading.is_domain_declared = is_domain_declared;
@@ -244,7 +227,7 @@ pub(super) fn entry_places(text: &str, path: &[&str]) -> Vec<(usize, usize)> {
             && open.last() == Some(&b'[')
             && keys[1..].iter().zip(path).all(|(key, wanted)| key.as_deref() == Some(*wanted))
     };
-    places(text, value_offsets(text, leads))
+    places(text, value_offsets(text, &leads))
 }
 
 /// Line and character of the value that `path` leads to, from one member to the next; of the whole for an empty path.
@@ -259,12 +242,12 @@ pub(super) fn member_place(text: &str, path: &[&str]) -> Option<(usize, usize)> 
         }
     };
     // Of members of the same name the last one holds.
-    value_offsets(text, leads).last().map(|&byte| place(text, byte))
+    value_offsets(text, &leads).last().map(|&byte| place(text, byte))
 }
 
 /// The first byte of every value that is `wanted`, by the keys under which the brackets around it stand (None in a list),
 /// those brackets, and its own key in an object. The text must be JSON.
-fn value_offsets(text: &str, wanted: impl Fn(&[Option<String>], &[u8], &str) -> bool) -> Vec<usize> {
+fn value_offsets(text: &str, wanted: &dyn Fn(&[Option<String>], &[u8], &str) -> bool) -> Vec<usize> {
     let mut offsets = Vec::new();
     let mut keys: Vec<Option<String>> = Vec::new();
     // Whether a value may begin here, and not a key.

@@ -194,51 +194,54 @@ pub fn write_link(link: &Link) -> Result<Written, LinkError> {
         return Ok(Written { fragment, exemplar: link.exemplar.clone(), note: None });
     };
     let full = Sheet::of(pattern, Precision::FULL);
-    let write = |sheet: &Sheet, precision: Precision| -> Result<(String, LinkExemplar), LinkError> {
-        let received = sheet.pattern(corners(pattern.domain())?)?.with_boundary(pattern.boundary());
-        let exemplar = LinkExemplar::Points(received);
-        let text = link_text(&Link { exemplar: exemplar.clone(), ..link.clone() })?;
-        Ok((format!("{text}&points={}", base64(&sheet.deflated(precision))), exemplar))
+    let received = |sheet: &Sheet| -> Result<Link, LinkError> {
+        let pattern = sheet.pattern(corners(pattern.domain())?)?.with_boundary(pattern.boundary());
+        Ok(Link { exemplar: LinkExemplar::Points(pattern), ..link.clone() })
     };
-    // What a link has already rounded is told in its few bits again.
-    let rounded = |precision: &Precision| (Sheet::of(pattern, *precision), *precision);
-    let (lossless, lossy): (Vec<_>, Vec<_>) =
-        Precision::LADDER.iter().map(rounded).partition(|(sheet, _)| *sheet == full);
-    let mut shortest = write(&full, Precision::FULL)?;
-    for (sheet, precision) in lossless.iter().filter(|(sheet, it)| it.place > 1 || it.value > 1 && sheet.has_steps()) {
-        let next = write(sheet, *precision)?;
-        if next.0.len() < shortest.0.len() {
-            shortest = next;
-        }
-    }
-    let (mut fragment, mut exemplar) = shortest;
-    let mut note = None;
-    if fragment.len() > SHORT {
-        let spacing = pattern.mean_spacing().unwrap_or(0.0);
-        let harmless = |(sheet, precision): &&(Sheet, Precision)| {
-            let steps = spacing * f64::from(PLACES) / f64::from(precision.place);
-            // Points that are told apart stay apart.
-            precision.place == 1 || steps >= STEPS_PER_SPACING && sheet.distinct_places() == full.distinct_places()
-        };
-        let allowed: Vec<_> = lossy.iter().filter(harmless).collect();
-        // Most that are too long are far too long.
-        let fits = match allowed.last() {
-            Some((sheet, precision)) => write(sheet, *precision)?.0.len() <= SHORT,
-            None => false,
-        };
-        for (sheet, precision) in allowed.into_iter().filter(|_| fits) {
-            let next = write(sheet, *precision)?;
-            if next.0.len() <= SHORT {
-                note = Some(rounding(sheet, *precision, spacing));
-                (fragment, exemplar) = next;
-                break;
+    let mut written = received(&full)?;
+    let mut text = link_text(&written)? + "&points=";
+    let points = |sheet: &Sheet, precision: Precision| base64(&sheet.deflated(precision));
+    let is_short = |points: &str| text.len() + points.len() <= SHORT;
+
+    let mut shortest = points(&full, Precision::FULL);
+    let mut lossy = Vec::new();
+    for precision in Precision::LADDER {
+        let sheet = Sheet::of(pattern, precision);
+        if sheet != full {
+            lossy.push((sheet, precision));
+        } else if precision.place > 1 || precision.value > 1 && full.has_steps() {
+            // What a link has rounded already is told in its few bits again.
+            let next = points(&full, precision);
+            if next.len() < shortest.len() {
+                shortest = next;
             }
         }
     }
+    let mut note = None;
+    if !is_short(&shortest) {
+        let spacing = pattern.mean_spacing().unwrap_or(0.0);
+        lossy.retain(|(sheet, precision)| {
+            let steps = spacing * f64::from(PLACES) / f64::from(precision.place);
+            // Points that are told apart stay apart.
+            precision.place == 1 || steps >= STEPS_PER_SPACING && sheet.distinct_places() == full.distinct_places()
+        });
+        // Most that are too long are far too long.
+        let fits = lossy.last().is_some_and(|(sheet, precision)| is_short(&points(sheet, *precision)));
+        let first = lossy.into_iter().filter(|_| fits).find_map(|(sheet, precision)| {
+            Some(points(&sheet, precision)).filter(|points| is_short(points)).map(|points| (sheet, precision, points))
+        });
+        if let Some((sheet, precision, points)) = first {
+            note = Some(rounding(&sheet, precision, spacing));
+            written = received(&sheet)?;
+            text = link_text(&written)? + "&points=";
+            shortest = points;
+        }
+    }
+    let fragment = text + &shortest;
     if fragment.len() > MAX_LENGTH {
         return Err(LinkError::TooLong { length: fragment.len(), max: MAX_LENGTH });
     }
-    Ok(Written { fragment, exemplar, note })
+    Ok(Written { fragment, exemplar: written.exemplar, note })
 }
 
 /// What was given up for a short link, for a person.

@@ -6,6 +6,8 @@ use std::rc::Rc;
 
 use roxmltree::Node;
 
+use crate::sorting;
+
 /// What matters to points.
 const PROPERTIES: [&str; 9] = ["fill", "stroke", "display", "visibility", "cx", "cy", "r", "rx", "ry"];
 /// Most selectors, all sheets together.
@@ -56,9 +58,10 @@ impl Rule {
         Some(rule)
     }
 
-    /// CSS's specificity: ids, classes, elements.
-    fn weight(&self) -> (bool, usize, bool) {
-        (self.id.is_some(), self.classes.len(), self.element.is_some())
+    /// CSS's specificity: ids, classes, elements. There are fewer than ten classes.
+    fn weight(&self) -> f64 {
+        let is = |part: &Option<String>| f64::from(u8::from(part.is_some()));
+        100.0 * is(&self.id) + 10.0 * self.classes.len() as f64 + is(&self.element)
     }
 
     fn matches(&self, name: &str, id: Option<&str>, classes: &[&str]) -> bool {
@@ -71,8 +74,9 @@ impl Rule {
 /// All style sheets of a document.
 #[derive(Debug, Default)]
 pub(super) struct StyleSheet {
-    /// Later ones win.
     rules: Vec<Rule>,
+    /// From the least weighty to the one that wins.
+    order: Vec<usize>,
     /// Rules that are not understood.
     pub(super) left_out: usize,
     work: Cell<usize>,
@@ -95,8 +99,8 @@ impl StyleSheet {
                 sheet.read(&text);
             }
         }
-        // Stable: of two equally weighty rules the later one wins.
-        sheet.rules.sort_by_key(Rule::weight);
+        // Of two equally weighty rules the later one wins.
+        sheet.order = sorting::order(sheet.rules.iter().map(Rule::weight));
         sheet
     }
 
@@ -145,7 +149,7 @@ impl StyleSheet {
             return None;
         }
         let (name, id) = (node.tag_name().name(), node.attribute("id"));
-        for rule in self.rules.iter().filter(|rule| rule.matches(name, id, &classes)) {
+        for rule in self.order.iter().map(|&rule| &self.rules[rule]).filter(|rule| rule.matches(name, id, &classes)) {
             for (property, value, important) in rule.declarations.iter() {
                 let slot = &mut sheet[*property];
                 if *important || slot.is_none_or(|(_, important)| !important) {

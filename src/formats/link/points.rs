@@ -8,6 +8,7 @@ use super::LinkError;
 use super::bits::{BitReader, BitWriter};
 use crate::domain::Domain;
 use crate::pattern::{Attribute, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, PointPattern};
+use crate::sorting;
 
 /// Most bytes the points may inflate to: 16 bytes a point with eight attributes, and what names and lists take.
 const MAX_INFLATED: usize = 20 * MAX_POINTS;
@@ -114,8 +115,9 @@ impl Sheet {
             .map(|&point| ((point - domain.min()) / domain.size()).to_array().map(step))
             .collect();
         let classes = pattern.classes();
-        let mut order: Vec<usize> = (0..pattern.len()).collect();
-        order.sort_by_key(|&point| (classes[point], places[point]));
+        // Class, x, y as one number of 36 bits.
+        let order =
+            sorting::order(places.iter().zip(classes).map(|(&at, &class)| f64::from(class) * 4.3e9 + joined(at)));
 
         let names = pattern.class_names();
         let members = |class| classes.iter().filter(|&&other| usize::from(other) == class).count();
@@ -158,8 +160,8 @@ impl Sheet {
 
     /// How many places are taken.
     pub(super) fn distinct_places(&self) -> usize {
-        let mut places = self.places.clone();
-        places.sort_unstable();
+        let mut places: Vec<f64> = self.places.iter().copied().map(joined).collect();
+        sorting::ascending(&mut places);
         places.dedup();
         places.len()
     }
@@ -167,7 +169,14 @@ impl Sheet {
     /// The points as they stand in a link: of the two layouts the one that is shorter here. The numbers of the sheet
     /// must have no more than this precision.
     pub(super) fn deflated(&self, precision: Precision) -> Vec<u8> {
-        let (planes, packed) = (deflated(&self.planes()), deflated(&self.packed(precision)));
+        let planes = self.planes();
+        // In one go, or with codes of their own for the first two, or for each: regular patterns repeat themselves from
+        // one section to the next, random ones do not, and of them only the high bytes of steps can be made smaller.
+        let planes = [2, planes.len()]
+            .into_iter()
+            .map(|apart| deflated(&planes, apart))
+            .fold(deflated(&planes, 0), |best, next| if next.len() < best.len() { next } else { best });
+        let packed = deflated(&self.packed(precision), 0);
         if packed.len() < planes.len() { packed } else { planes }
     }
 
@@ -401,6 +410,11 @@ impl Column {
     }
 }
 
+/// Both coordinates as one number, x before y.
+fn joined([x, y]: [u16; 2]) -> f64 {
+    f64::from(u32::from(x) << 16 | u32::from(y))
+}
+
 const OUTSIDE: LinkError = LinkError::Points("one lies outside the domain");
 const TOO_SOON: LinkError = LinkError::Points("they end too soon");
 
@@ -416,7 +430,7 @@ fn listed(values: &[f64]) -> Option<Vec<f64>> {
         }
     }
     // In order, so that the order of the points does not show.
-    list.sort_unstable_by(f64::total_cmp);
+    sorting::ascending(&mut list);
     Some(list)
 }
 
@@ -433,33 +447,25 @@ fn push_name(bytes: &mut Vec<u8>, name: &str) {
     bytes.extend_from_slice(name.as_bytes());
 }
 
-/// Deflates all sections in one go, or with codes of their own for the first two, or for each, and takes what is
-/// shortest: regular patterns repeat themselves from one section to the next, random ones do not, and of them only the
-/// high bytes of steps can be made smaller.
-fn deflated(sections: &[Vec<u8>]) -> Vec<u8> {
-    let run = |apart: usize| {
-        // The best level; a negative window means no zlib header.
-        let mut compressor = CompressorOxide::new(create_comp_flags_from_zip_params(10, -15, 0));
-        let mut bytes = Vec::new();
-        for (index, section) in sections.iter().enumerate() {
-            let flush = if index + 1 == sections.len() {
-                TDEFLFlush::Finish
-            } else if index < apart {
-                TDEFLFlush::Sync
-            } else {
-                TDEFLFlush::None
-            };
-            compress_to_output(&mut compressor, section, flush, |piece| {
-                bytes.extend_from_slice(piece);
-                true
-            });
-        }
-        bytes
-    };
-    [2, sections.len()]
-        .map(run)
-        .into_iter()
-        .fold(run(0), |best, next| if next.len() < best.len() { next } else { best })
+/// Deflates sections, so many of the first with codes of their own.
+fn deflated(sections: &[Vec<u8>], apart: usize) -> Vec<u8> {
+    // The best level; a negative window means no zlib header.
+    let mut compressor = CompressorOxide::new(create_comp_flags_from_zip_params(10, -15, 0));
+    let mut bytes = Vec::new();
+    for (index, section) in sections.iter().enumerate() {
+        let flush = if index + 1 == sections.len() {
+            TDEFLFlush::Finish
+        } else if index < apart {
+            TDEFLFlush::Sync
+        } else {
+            TDEFLFlush::None
+        };
+        compress_to_output(&mut compressor, section, flush, |piece| {
+            bytes.extend_from_slice(piece);
+            true
+        });
+    }
+    bytes
 }
 
 /// Walks through bytes that may end too soon.
