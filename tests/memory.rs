@@ -1,5 +1,5 @@
 //! What hostile files and links may take of memory, whatever they hold and claim.
-#![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
 
 #[path = "common/decoders.rs"]
 mod decoders;

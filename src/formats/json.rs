@@ -245,9 +245,12 @@ pub(super) fn member_place(text: &str, path: &[&str]) -> Option<(usize, usize)> 
     value_offsets(text, &leads).last().map(|&byte| place(text, byte))
 }
 
+/// Whether a value is meant, by the keys of the brackets around it, those brackets and its own key.
+type Wanted<'a> = dyn Fn(&[Option<String>], &[u8], &str) -> bool + 'a;
+
 /// The first byte of every value that is `wanted`, by the keys under which the brackets around it stand (None in a list),
 /// those brackets, and its own key in an object. The text must be JSON.
-fn value_offsets(text: &str, wanted: &dyn Fn(&[Option<String>], &[u8], &str) -> bool) -> Vec<usize> {
+fn value_offsets(text: &str, wanted: &Wanted<'_>) -> Vec<usize> {
     let mut offsets = Vec::new();
     let mut keys: Vec<Option<String>> = Vec::new();
     // Whether a value may begin here, and not a key.
