@@ -33,6 +33,9 @@ pub enum PatternError {
         /// What is wrong with it.
         reason: &'static str,
     },
+    /// No rectangle where there must be one.
+    #[error("the pattern has no 'domain'")]
+    NoDomain,
     /// No points at all.
     #[error("the pattern has no points; at least 1 is needed")]
     Empty,
@@ -171,11 +174,13 @@ pub struct PointPattern {
 
 /// The serialised form of [`PointPattern`], checked on the way in.
 #[derive(Serialize, Deserialize)]
-struct RawPattern {
-    domain: Domain,
+pub(crate) struct RawPattern {
+    /// Files may leave it out, to be found from the points.
+    #[serde(default)]
+    pub(crate) domain: Option<Domain>,
     #[serde(default)]
     boundary: Boundary,
-    positions: Vec<[f64; 2]>,
+    pub(crate) positions: Vec<[f64; 2]>,
     #[serde(default)]
     classes: Vec<u16>,
     #[serde(default)]
@@ -188,7 +193,8 @@ impl TryFrom<RawPattern> for PointPattern {
     type Error = PatternError;
     fn try_from(raw: RawPattern) -> Result<Self, PatternError> {
         let positions = raw.positions.into_iter().map(DVec2::from).collect();
-        let mut pattern = Self::new(raw.domain, positions)?.with_boundary(raw.boundary);
+        let domain = raw.domain.ok_or(PatternError::NoDomain)?;
+        let mut pattern = Self::new(domain, positions)?.with_boundary(raw.boundary);
         if !raw.class_names.is_empty() || !raw.classes.is_empty() {
             pattern = pattern.with_classes(raw.classes, raw.class_names)?;
         }
@@ -202,7 +208,7 @@ impl TryFrom<RawPattern> for PointPattern {
 impl From<PointPattern> for RawPattern {
     fn from(pattern: PointPattern) -> Self {
         Self {
-            domain: pattern.domain,
+            domain: Some(pattern.domain),
             boundary: pattern.boundary,
             positions: pattern.positions.into_iter().map(Into::into).collect(),
             classes: pattern.classes,
@@ -212,7 +218,7 @@ impl From<PointPattern> for RawPattern {
     }
 }
 
-fn check_name(name: &str) -> Result<(), PatternError> {
+pub(crate) fn check_name(name: &str) -> Result<(), PatternError> {
     let refuse = |reason| Err(PatternError::Name { name: name.to_owned(), reason });
     if name.trim().is_empty() {
         return refuse("it is empty");

@@ -22,7 +22,11 @@ fn good(text: &str) -> PointPattern {
 /// The refusal's words must hold every one of `parts`.
 #[track_caller]
 fn refused(text: &str, parts: &[&str]) {
-    let message = load(text).expect_err(text).to_string();
+    let error = load(text).expect_err(text);
+    let message = error.to_string();
+    // Whatever is not about the file as a whole has its place.
+    let whole = matches!(error, FormatError::NoPoints | FormatError::NoDomain { .. } | FormatError::Kind { .. });
+    assert!(whole || error.position().is_some(), "{text:.200?}: {message}");
     for part in parts {
         assert!(message.contains(part), "{text:.200?}\n  says    {message:?}\n  without {part:?}");
     }
@@ -237,11 +241,41 @@ fn json_that_is_refused() {
     refused("{\"points\": [[0,0]], \"domain\": [0, 0, 1, 0]}", &["greater than 0"]);
     refused("{\"domain\": {\"min\": [0,0], \"size\": [1,1]}, \"positions\": [[0, 2]]}", &["point 0 at (0, 2)"]);
     refused("{\"positions\": [[0, 0]], \"classes\": [1], \"class_names\": [\"a\"]}", &["class 1", "1 classes"]);
-    refused("{\"positions\": [[0, \"a\"]]}", &["'positions'"]);
+    refused("{\"positions\": [[0, \"a\"]]}", &["line 1, column 22", "\"a\""]);
     let named = read(b"5", Some("a.JSON"), &ReadOptions::default()).unwrap_err().to_string();
     assert!(named.contains("it is a number"), "{named}");
     refused(&"[".repeat(5000), &["recursion"]);
     refused(&format!("[{}0]", "[],".repeat(3_000_001)), &["more than 3000000 values"]);
+}
+
+/// Where a layout is wrong, not only where JSON is.
+#[test]
+fn wrong_json_layouts_have_a_place() {
+    refused("\n  {\"points\":\n   7}", &["line 3, column 4", "'points' is a number"]);
+    refused("\n  {\"things\": 7}", &["line 2, column 3", "neither"]);
+    refused("{\"points\": [[0,0]],\n \"boundary\": \"torus\"}", &["line 2, column 14", "torus"]);
+    refused("{\"points\": [[0,0]],\n \"é\": 1, \"domain\": [0]}", &["line 2, column 20", "'domain' must be"]);
+    refused("{\"points\": [[0,0]],\n \"domain\": [0, 0, 1, 0]}", &["line 2, column 12", "greater than 0"]);
+    refused(
+        "{\"positions\": [[0, 0],\n [1, 1]], \"classes\":\n [0, 1], \"class_names\": [\"a\"]}",
+        &["line 3, column 6"],
+    );
+    refused("{\"positions\": [[0, 0]],\n \"classes\": [0, 0], \"class_names\": [\"a\"]}", &["line 2, column 13"]);
+    refused("{\"positions\": [[0, 0]],\n\"attributes\": [{\"name\": \"\", \"values\": [1]}]}", &["line 2, column 15"]);
+    refused("{\"positions\": [[0, 0]],\n \"classes\": [-1]}", &["line 2, column 15"]);
+    let domain = "\"domain\": {\"min\": [0, 0], \"size\": [1, 1]}";
+    refused(&format!("{{{domain}, \"positions\":\n [[0, 0],\n [2, 0]]}}"), &["line 3, column 2", "outside"]);
+    refused("{\"type\": \"FeatureCollection\",\n \"features\": {}}", &["line 2, column 14", "list"]);
+    refused("\n{\"type\": \"Point\", \"coordinates\": [1]}", &["line 2, column 1", "two numbers"]);
+    refused("{\"pointweave-project\":\n 2}", &["line 2, column 2", "version 2"]);
+    refused("\n {\"pointweave-project\": 1}", &["line 2, column 2", "no 'exemplar'"]);
+    refused("{\"pointweave-project\": 1,\n \"exemplar\": {}}", &["line 2, column 14", "'exemplar' of the project"]);
+    let exemplar = format!("\"exemplar\": {{{domain}, \"positions\": [\n[3, 0]]}}");
+    refused(&format!("{{\"pointweave-project\": 1, {exemplar}}}"), &["line 2, column 1", "outside"]);
+    let exemplar = format!("\"exemplar\": {{{domain}, \"positions\": [[0, 0]]}}");
+    for (member, part) in [("\"run\": 3", "'run'"), ("\"preset\": \"good\"", "preset"), ("\"output\": 3", "'output'")] {
+        refused(&format!("{{\"pointweave-project\": 1, {exemplar},\n{member}}}"), &["line 2", part]);
+    }
 }
 
 #[test]
@@ -280,17 +314,22 @@ fn limits() {
     let declared: String = (0..17).map(|i| format!("c{i},")).collect();
     refused(&format!("# classes: {declared}d\n0 0 d"), &["line 1, column 17", "more than 16 classes"]);
     let announced: String = (1..=17).map(|i| format!(" {i}000")).collect();
+    refused(&format!("1 2\n2 0 0{}", " 0".repeat(9)), &["line 2, column 12", "more than 8 attributes"]);
+    refused(&format!("1 {zeros}1\n{zeros}1 0 0", zeros = "0".repeat(70)), &["line 2, column 3", "2 are needed"]);
     refused(&format!("17{announced}\n1000 5 5"), &["line 1, column 18", "more than 16 classes"]);
     let wide = |count: usize| {
         let names: String = (0..count).map(|i| format!(",a{i}")).collect();
         format!("x,y{names}\n0,0{}", ",1".repeat(count))
     };
     assert_eq!(good(&wide(8)).attributes().len(), 8);
-    refused(&wide(9), &["9 attributes", "at most 8"]);
+    refused(&wide(9), &["line 1, column 11", "more than 8 attributes"]);
     refused(&format!("0.5 0.5{}", " 0.5".repeat(9)), &["line 1", "8 attributes"]);
     refused(&wide(80), &["line 1, column 65", "64 columns"]);
     refused(&format!("0 0\n{}1 1", " ".repeat(10_000)), &["line 2", "10003 bytes", "at most 10000"]);
-    refused(&format!("x,y,class\n0,0,{}", "é".repeat(65)), &["longer than 64"]);
+    refused(&format!("x,y,class\n0,0,{}", "é".repeat(65)), &["line 2, column 3", "1 to 64 characters"]);
+    refused(&format!("x,y,{}\n0,0,1", "é".repeat(65)), &["line 1, column 3", "1 to 64 characters"]);
+    refused("x,y,a\u{1}b\n0,0,1", &["line 1, column 3", "control character"]);
+    refused("# classes: a,b,a\n0 0 a", &["line 1, column 3", "\"a\""]);
     assert_eq!(
         read(&vec![b'1'; MAX_BYTES + 1], None, &ReadOptions::default()),
         Err(FormatError::TooLarge { bytes: 20_000_001, max: 20_000_000 })
@@ -307,7 +346,7 @@ fn other_files_are_named() {
         (b"\xff\xfe0\x00", "UTF-16"),
         (b"  <html></html>", "XML"),
         (b"0.5 0.5\x00", "binary"),
-        (b"0 0\n1 1 \xe9l\xe9\n", "line 2: byte 0xe9 is not UTF-8"),
+        (b"0 0\n1 1 \xe9l\xe9\n", "line 2, column 5: byte 0xe9 is not UTF-8"),
     ] {
         let message = read(bytes, None, &ReadOptions::default()).unwrap_err().to_string();
         assert!(message.contains(word), "{message}");
@@ -451,6 +490,31 @@ fn svg_classes_radii_and_domain() {
     assert_eq!((corner.class_names(), corner.attributes().len()), (&["points".to_owned()][..], 0), "all alike");
 }
 
+/// As Illustrator, Inkscape and hands write them.
+#[test]
+fn svg_style_sheets() {
+    let style = "<defs><style>.cls-1{fill:#f00}.cls-2 , .cls-3{fill:blue;stroke:#000}.cls-4{display:none}#odd{fill:lime}\
+                 ellipse{fill:#ff0000;r:9}g .deep{fill:red}@media print{circle{display:none}}</style></defs>";
+    let reading = opened(drawing(
+        "viewBox='0 0 100 50'",
+        &format!(
+            "{style}<circle class='cls-1' cx='10' cy='10' r='2'/><circle class='x cls-3' cx='90' cy='40' r='2'/>\
+             <g class='cls-4'><circle cx='50' cy='40' r='2'/></g><g class='cls-2'><circle id='odd' cx='5' cy='45' r='2'/>\
+             <circle cx='30' cy='45' r='2'/></g><ellipse class='deep' cx='60' cy='10' rx='2' ry='2'/>"
+        ),
+    ));
+    let pattern = &reading.pattern;
+    assert_eq!(class_of(pattern), ["#ff0000", "#0000ff", "#00ff00", "#0000ff", "#ff0000"]);
+    noted(&reading, "2 rules of its style sheets");
+    // Rules and elements, each within its limit, can be too many together.
+    let many: String = (0..5000).map(|i| format!(".a{i}{{fill:red}}")).collect();
+    refused(
+        &format!("<svg><style>{many}</style>{}</svg>", "<circle r='1'/>".repeat(4_001)),
+        &["line 1", "too many rules"],
+    );
+    refused(&format!("<svg>\n<circle class='{}' r='1'/></svg>", "a".repeat(5000)), &["line 2, column 1", "4000 bytes"]);
+}
+
 #[test]
 fn svg_that_is_refused() {
     refused("<svg>\n <circle cx='a' r='1'/></svg>", &["line 2, column 2", "cx is \"a\""]);
@@ -550,6 +614,19 @@ fn numpy_arrays_of_every_kind() {
     assert_eq!((class_of(&columns), columns.attributes()[0].values.clone()), (vec!["7", "8"], vec![9.0, 6.0]));
 
     let words = |bytes: &[u8]| open(bytes, None, &ReadOptions::default()).unwrap_err().to_string();
+    // Where: 10 bytes come before the header, 11 before the type within it.
+    for (bytes, byte) in [
+        (b"\x93NUMPY".to_vec(), 6),
+        (npy(9, "", &[]), 6),
+        (npy(1, "{}", &[]), 10),
+        (npy(1, &header("<c16", "False", "(2, 2)"), &doubles), 20),
+        (npy(2, &header("<c16", "False", "(2, 2)"), &doubles), 22),
+        (npy(1, &header("<f8", "False", "(4,)"), &doubles), 60),
+        (npy(1, &header("<f8", "False", "(2, 3)"), &doubles), 70),
+    ] {
+        let place = format!("(byte {byte} of the file)");
+        assert!(words(&bytes).contains(&place), "{} without {place:?}", words(&bytes));
+    }
     for (bytes, part) in [
         (b"\x93NUMPY".to_vec(), "ends within its header"),
         (npy(1, "", &[])[..9].to_vec(), "ends within its header"),

@@ -10,8 +10,9 @@
 use glam::DVec2;
 
 use super::error::{FormatError, Place, clip};
+use super::table::unfit_name;
 use crate::domain::{Boundary, Domain};
-use crate::pattern::MAX_CLASSES;
+use crate::pattern::{MAX_CLASSES, check_name};
 
 /// What the comments and the format declare.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +44,17 @@ impl Declared {
                     let place = Place::Line { line, column: MAX_CLASSES + 1 };
                     return Err(FormatError::TooMany { place, what: "classes", max: MAX_CLASSES });
                 }
-                self.classes = record.iter().map(str::to_owned).collect();
+                self.classes.clear();
+                for (index, name) in record.iter().enumerate() {
+                    let place = Place::Line { line, column: index + 1 };
+                    if check_name(name).is_err() {
+                        return Err(unfit_name(place, "class", name));
+                    }
+                    if self.classes.iter().any(|known| known == name) {
+                        return Err(FormatError::DuplicateClass { place, name: clip(name) });
+                    }
+                    self.classes.push(name.to_owned());
+                }
             }
         }
         Ok(())

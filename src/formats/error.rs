@@ -74,16 +74,20 @@ pub enum FormatError {
         reason: String,
     },
     /// A NumPy array of another shape or type.
-    #[error("the NumPy array can't be used: {reason}")]
+    #[error("the NumPy array can't be used: {reason} (byte {byte} of the file)")]
     Array {
         /// What is wrong with it.
         reason: String,
+        /// Where, counted from 0.
+        byte: usize,
     },
     /// Bytes that are not UTF-8.
-    #[error("line {line}: byte {byte:#04x} is not UTF-8; save the file as UTF-8 text")]
+    #[error("line {line}, column {column}: byte {byte:#04x} is not UTF-8; save the file as UTF-8 text")]
     NotUtf8 {
         /// The line.
         line: usize,
+        /// Character in the line.
+        column: usize,
         /// The first offending byte.
         byte: u8,
     },
@@ -162,6 +166,14 @@ pub enum FormatError {
         /// The name.
         name: String,
     },
+    /// A declaration that names a class twice.
+    #[error("{place}: another class is called {name:?} too; every class needs its own name")]
+    DuplicateClass {
+        /// Where the second one stands.
+        place: Place,
+        /// The name.
+        name: String,
+    },
     /// A domain that can't be used.
     #[error("line {line}: the domain {value:?} can't be used: {reason}")]
     Declaration {
@@ -202,20 +214,44 @@ impl FormatError {
             | Self::Value { place, .. }
             | Self::Outside { place, .. }
             | Self::Columns { place, .. }
-            | Self::DuplicateColumn { place, .. } => match place {
+            | Self::DuplicateColumn { place, .. }
+            | Self::DuplicateClass { place, .. } => match place {
                 Place::Line { line, column } | Place::Entry { at: Some((line, column)), .. } => {
                     Some((line, Some(column)))
                 }
                 Place::Entry { at: None, .. } => None,
             },
             Self::Syntax { line, column, .. } if line > 0 => Some((line, Some(column))),
-            Self::NotUtf8 { line, .. }
-            | Self::LongLine { line, .. }
-            | Self::MissingColumn { line, .. }
-            | Self::Declaration { line, .. } => Some((line, None)),
+            Self::NotUtf8 { line, column, .. } => Some((line, Some(column))),
+            Self::LongLine { line, .. } | Self::MissingColumn { line, .. } | Self::Declaration { line, .. } => {
+                Some((line, None))
+            }
             _ => None,
         }
     }
+}
+
+/// Line and character, from 1, of these bytes of the text. They must be in ascending order.
+pub(super) fn places(text: &str, bytes: impl IntoIterator<Item = usize>) -> Vec<(usize, usize)> {
+    let (mut line, mut column, mut from) = (1, 1, 0);
+    bytes
+        .into_iter()
+        .map(|byte| {
+            let passed = text.get(from..byte).unwrap_or_default();
+            from = byte;
+            line += passed.bytes().filter(|&byte| byte == b'\n').count();
+            column = match passed.rsplit_once('\n') {
+                Some((_, rest)) => 1 + rest.chars().count(),
+                None => column + passed.chars().count(),
+            };
+            (line, column)
+        })
+        .collect()
+}
+
+/// The same of one byte.
+pub(super) fn place(text: &str, byte: usize) -> (usize, usize) {
+    places(text, [byte]).first().copied().unwrap_or((1, 1))
 }
 
 /// A piece of input as it may stand in a message: at most 40 characters.

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 
 use super::declaration::Declared;
 use super::error::FormatError;
-use super::json::{cell, entry_places, kind, layout_at};
+use super::json::{cell, entry_places, kind, layout, layout_at, member_place};
 use super::table::{Role, Row, RowPlace, Table};
 use super::{FileFormat, ReadOptions, Reading};
 use crate::pattern::{MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH};
@@ -47,9 +47,9 @@ pub(super) fn read(text: &str, object: &Map<String, Value>, options: &ReadOption
             found.feature(feature, place)?;
         }
     } else if object.contains_key("features") {
-        return Err(layout_at(None, "'features' must be a list".to_owned()));
+        return Err(layout(text, &["features"], "'features' must be a list".to_owned()));
     } else {
-        found.object(object, RowPlace::Entry(1, None), None, 0)?;
+        found.object(object, RowPlace::Entry(1, member_place(text, &[])), None, 0)?;
     }
 
     let mut notes = vec!["Coordinates are taken as they are, on a plane.".to_owned()];

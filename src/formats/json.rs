@@ -13,44 +13,54 @@ use serde::Deserialize as _;
 use serde_json::{Map, Value};
 
 use super::declaration::Declared;
-use super::error::{FormatError, clip};
+use super::error::{FormatError, clip, place, places};
 use super::guess::guess_domain;
 use super::table::{Row, RowPlace, Table};
 use super::{FileFormat, ReadOptions, Reading, geojson, project};
 use crate::domain::{Boundary, Domain};
-use crate::pattern::PointPattern;
+use crate::pattern::{PatternError, PointPattern, RawPattern};
 
 /// Most commas: every value but one costs a comma, and the largest pattern needs a tenth of this. It bounds the
 /// memory that nested empty lists could take.
 const MAX_COMMAS: usize = 3_000_000;
+/// Most objects: each takes hundreds of bytes, and a feature of GeoJSON is three of them.
+const MAX_OBJECTS: usize = 200_000;
 
 /// Reads any of the JSON layouts.
 pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatError> {
-    let commas = text.bytes().filter(|&byte| byte == b',').count();
-    if commas > MAX_COMMAS {
-        return Err(layout(format!("there are more than {MAX_COMMAS} values; a pattern has fewer")));
+    for (sign, max, what) in [(b',', MAX_COMMAS, "values"), (b'{', MAX_OBJECTS, "objects")] {
+        if let Some((byte, _)) = text.bytes().enumerate().filter(|&(_, byte)| byte == sign).nth(max) {
+            let message = format!("there are more than {max} {what}; a pattern has fewer");
+            return Err(layout_at(Some(place(text, byte)), message));
+        }
     }
     match serde_json::from_str(text).map_err(|error| located(&error))? {
         Value::Array(points) => {
             let places = entry_places(text, &[]);
             points_table(&points, &places, Declared::default())?.into_reading(FileFormat::Json, options)
         }
-        Value::Object(object) if project::is_project(&object) => project::read(object, options),
-        Value::Object(object) if object.contains_key("positions") => own(text, object, options),
+        Value::Object(object) if project::is_project(&object) => project::read(text, object, options),
+        Value::Object(object) if object.contains_key("positions") => {
+            // It is read once more, and need not be there twice.
+            drop(object);
+            own(text, options)
+        }
         Value::Object(object) if geojson::is_geojson(&object) => geojson::read(text, &object, options),
         Value::Object(object) => match object.get("points") {
             Some(Value::Array(points)) => {
                 let places = entry_places(text, &["points"]);
-                points_table(points, &places, declared(&object)?)?.into_reading(FileFormat::Json, options)
+                points_table(points, &places, declared(text, &object)?)?.into_reading(FileFormat::Json, options)
             }
-            Some(other) => Err(layout(format!("'points' is {}, but must be a list", kind(other)))),
+            Some(other) => Err(layout(text, &["points"], format!("'points' is {}, but must be a list", kind(other)))),
             None => {
                 let keys: Vec<_> = object.keys().map(|key| format!("'{key}'")).collect();
-                Err(layout(format!("neither 'points' nor 'positions' is there; it holds {}", clip(&keys.join(", ")))))
+                let found = clip(&keys.join(", "));
+                Err(layout(text, &[], format!("neither 'points' nor 'positions' is there; it holds {found}")))
             }
         },
         other => {
-            Err(layout(format!("it is {}, but must be a list of points or an object with 'points'", kind(&other))))
+            let found = kind(&other);
+            Err(layout(text, &[], format!("it is {found}, but must be a list of points or an object with 'points'")))
         }
     }
 }
@@ -68,29 +78,42 @@ pub fn write_json(pattern: &PointPattern) -> String {
 }
 
 /// The layout of [`PointPattern`] itself; without a domain the usual rule finds one.
-fn own(text: &str, mut object: Map<String, Value>, options: &ReadOptions) -> Result<Reading, FormatError> {
-    let is_domain_declared = options.domain.is_some() || object.contains_key("domain");
-    let pattern: PointPattern = if object.contains_key("domain") {
-        // From the text, not from the values: so a wrong one has a line and a column.
-        serde_json::from_str(text).map_err(|error| located(&error))?
-    } else {
-        let positions = object.get("positions").cloned().unwrap_or_default();
-        let positions: Vec<[f64; 2]> =
-            Vec::deserialize(positions).map_err(|error| layout(format!("'positions' can't be read: {error}")))?;
-        if positions.is_empty() {
+fn own(text: &str, options: &ReadOptions) -> Result<Reading, FormatError> {
+    // From the text, not from the values: so a wrong one has a line and a column.
+    let mut raw: RawPattern = serde_json::from_str(text).map_err(|error| located(&error))?;
+    let is_domain_declared = options.domain.or(raw.domain).is_some();
+    if raw.domain.is_none() {
+        if raw.positions.is_empty() {
             return Err(FormatError::NoPoints);
         }
-        let positions: Vec<DVec2> = positions.into_iter().map(DVec2::from).collect();
-        let domain = match options.domain {
-            Some(domain) => domain,
-            None => guess_domain(&positions)?,
-        };
-        object.insert("domain".to_owned(), serde_json::to_value(domain).map_err(|error| located(&error))?);
-        serde_json::from_value(Value::Object(object)).map_err(|error| layout(error.to_string()))?
-    };
-    let mut reading = Reading::new(FileFormat::Json, options.apply(pattern)?);
+        let positions: Vec<DVec2> = raw.positions.iter().copied().map(DVec2::from).collect();
+        raw.domain = Some(options.domain.map_or_else(|| guess_domain(&positions), Ok)?);
+    }
+    let pattern = PointPattern::try_from(raw).and_then(|pattern| options.apply(pattern));
+    let mut reading = Reading::new(FileFormat::Json, pattern.map_err(|error| misfit(text, &[], &error))?);
     reading.is_domain_declared = is_domain_declared;
     Ok(reading)
+}
+
+/// What is wrong with a pattern in our own layout, at the member of the object at `path` that it is about.
+pub(super) fn misfit(text: &str, path: &[&str], error: &PatternError) -> FormatError {
+    let (member, entry) = match error {
+        PatternError::Domain { .. } => ("domain", None),
+        PatternError::Outside { index, .. } => ("positions", Some(*index)),
+        PatternError::NotFinite { index, axis, .. } if axis == "x" || axis == "y" => ("positions", Some(*index)),
+        PatternError::Empty | PatternError::TooMany { what: "points", .. } => ("positions", None),
+        PatternError::Class { index, .. } => ("classes", Some(*index)),
+        PatternError::Length { what, .. } if what == "classes" => ("classes", None),
+        PatternError::TooMany { what: "classes", .. } => ("class_names", None),
+        _ => ("attributes", None),
+    };
+    let path = [path, &[member]].concat();
+    let at = match entry {
+        Some(index) => entry_places(text, &path).get(index).copied(),
+        None => member_place(text, &path),
+    };
+    // A name may be a class's as well as an attribute's.
+    layout_at(at.or_else(|| member_place(text, &path[..path.len() - 1])), error.to_string())
 }
 
 /// `[x, y, …]` or `{"x": …, "y": …, …}`, as rows of the same table that text files give.
@@ -151,20 +174,24 @@ pub(super) fn cell(value: &Value) -> String {
 }
 
 /// `domain` (`[x0, y0, x1, y1]` or our own layout) and `boundary` beside a list of points.
-fn declared(object: &Map<String, Value>) -> Result<Declared, FormatError> {
+fn declared(text: &str, object: &Map<String, Value>) -> Result<Declared, FormatError> {
     let mut declared = Declared::default();
     if let Some(value) = object.get("domain") {
         let domain = match <[f64; 4]>::deserialize(value) {
-            Ok([x0, y0, x1, y1]) => Domain::new(DVec2::new(x0, y0), DVec2::new(x1 - x0, y1 - y0))?,
+            Ok([x0, y0, x1, y1]) => Domain::new(DVec2::new(x0, y0), DVec2::new(x1 - x0, y1 - y0))
+                .map_err(|error| misfit(text, &[], &error))?,
             Err(_) => Domain::deserialize(value).map_err(|error| {
-                layout(format!("'domain' must be [x0, y0, x1, y1] or {{\"min\": [x, y], \"size\": [w, h]}}: {error}"))
+                let message = "'domain' must be [x0, y0, x1, y1] or {\"min\": [x, y], \"size\": [w, h]}";
+                layout(text, &["domain"], format!("{message}: {error}"))
             })?,
         };
         declared.domain = Some(domain);
     }
     if let Some(value) = object.get("boundary") {
-        let boundary = Boundary::deserialize(value)
-            .map_err(|_| layout(format!("'boundary' is {value}, but must be \"open\" or \"periodic\"")))?;
+        let boundary = Boundary::deserialize(value).map_err(|_| {
+            let message = format!("'boundary' is {}, but must be \"open\" or \"periodic\"", clip(&value.to_string()));
+            layout(text, &["boundary"], message)
+        })?;
         declared.boundary = Some(boundary);
     }
     Ok(declared)
@@ -181,8 +208,9 @@ pub(super) fn kind(value: &Value) -> &'static str {
     }
 }
 
-pub(super) fn layout(message: String) -> FormatError {
-    layout_at(None, message)
+/// What is wrong with the value at `path`.
+pub(super) fn layout(text: &str, path: &[&str], message: String) -> FormatError {
+    layout_at(member_place(text, path), message)
 }
 
 /// The same with the line and character of what it is about.
@@ -194,36 +222,50 @@ pub(super) fn layout_at(at: Option<(usize, usize)>, message: String) -> FormatEr
 /// Line and character, from 1, of every entry of the list that `path` leads to, from one member to the next. The text
 /// must be JSON; where the path leads nowhere there are no entries.
 pub(super) fn entry_places(text: &str, path: &[&str]) -> Vec<(usize, usize)> {
-    let mut places = Vec::new();
-    // The key under which each open bracket stands; None in a list.
+    let leads = |keys: &[Option<String>], open: &[u8], _: &str| {
+        keys.len() == path.len() + 1
+            && open.last() == Some(&b'[')
+            && keys[1..].iter().zip(path).all(|(key, wanted)| key.as_deref() == Some(*wanted))
+    };
+    places(text, value_offsets(text, &leads))
+}
+
+/// Line and character of the value that `path` leads to, from one member to the next; of the whole for an empty path.
+pub(super) fn member_place(text: &str, path: &[&str]) -> Option<(usize, usize)> {
+    let leads = |keys: &[Option<String>], open: &[u8], key: &str| match path.split_last() {
+        None => keys.is_empty(),
+        Some((last, outer)) => {
+            keys.len() == path.len()
+                && open.last() == Some(&b'{')
+                && key == *last
+                && keys[1..].iter().zip(outer).all(|(key, wanted)| key.as_deref() == Some(*wanted))
+        }
+    };
+    // Of members of the same name the last one holds.
+    value_offsets(text, &leads).last().map(|&byte| place(text, byte))
+}
+
+/// Whether a value is meant, by the keys of the brackets around it, those brackets and its own key.
+type Wanted<'a> = dyn Fn(&[Option<String>], &[u8], &str) -> bool + 'a;
+
+/// The first byte of every value that is `wanted`, by the keys under which the brackets around it stand (None in a list),
+/// those brackets, and its own key in an object. The text must be JSON.
+fn value_offsets(text: &str, wanted: &Wanted<'_>) -> Vec<usize> {
+    let mut offsets = Vec::new();
     let mut keys: Vec<Option<String>> = Vec::new();
-    let mut line = 1;
-    // Up to where the characters of the line are counted, and how many there are.
-    let (mut counted_to, mut characters) = (0, 0);
     // Whether a value may begin here, and not a key.
     let mut awaits_value = true;
     let mut key = String::new();
     let bytes = text.as_bytes();
     let mut at = 0;
-    let is_list = |keys: &[Option<String>], open: &[u8]| {
-        keys.len() == path.len() + 1
-            && open.last() == Some(&b'[')
-            && keys[1..].iter().zip(path).all(|(key, wanted)| key.as_deref() == Some(*wanted))
-    };
     let mut open: Vec<u8> = Vec::new();
     while let Some(&byte) = bytes.get(at) {
         let begins = awaits_value && !byte.is_ascii_whitespace() && !matches!(byte, b']' | b'}' | b',' | b':');
-        if begins && is_list(&keys, &open) {
-            characters += text.get(counted_to..at).map_or(0, |passed| passed.chars().count());
-            counted_to = at;
-            places.push((line, 1 + characters));
+        if begins && wanted(&keys, &open, &key) {
+            offsets.push(at);
         }
         let inside_object = open.last() == Some(&b'{');
         match byte {
-            b'\n' => {
-                line += 1;
-                (counted_to, characters) = (at + 1, 0);
-            }
             b'{' | b'[' => {
                 keys.push(inside_object.then(|| std::mem::take(&mut key)));
                 open.push(byte);
@@ -257,7 +299,7 @@ pub(super) fn entry_places(text: &str, path: &[&str]) -> Vec<(usize, usize)> {
         }
         at += 1;
     }
-    places
+    offsets
 }
 
 /// The library's words, with the place in front as in every other format.

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `v` | version of the layout: 1 |
 //! | `preset` | `fast` when left out |
+//! | `presets` | edition of the presets' values, see [`crate::method::editions`]; 1 when left out |
 //! | a parameter's name | its value, where it differs from the preset's as it suits the exemplar |
 //! | `exemplar` | name of a built-in exemplar; `rings` when there are no points either |
 //! | `points` | the exemplar's points, see below |
@@ -18,42 +19,59 @@
 //!
 //! # Points
 //! base64url (RFC 4648, without padding) of raw deflate (RFC 1951) of, one after the other:
-//! 1. the number 1, then the number of points n;
+//! 1. the number of the layout, 1 or 2, then the number of points n; in layout 2 the steps of places and of values, see
+//!    there;
 //! 2. the number of classes, 0 when there is only the default class; for each its name and how many points it has;
 //! 3. the number of attributes; for each its name, then 0 and a list of values, or 1, the smallest and the largest
-//!    value;
-//! 4. x of every point, class after class, in ascending order within each, as the difference from the one before: n high
-//!    bytes, then n low bytes; y: n high bytes, then n low bytes;
-//! 5. for every attribute n places in its list of values, a byte each; or n numbers of twelve bits that go from the
-//!    smallest value to the largest: n high bytes, then n lower halves of a byte, two a byte, the first one lower.
+//!    value.
 //!
-//! Numbers are LEB128, values little-endian doubles, names a number of bytes and UTF-8. Coordinates are 65535ths of the
-//! domain's sides.
+//! The points stand class after class, within each in ascending order of x. Coordinates are 65535ths of the domain's
+//! sides, values places in a list or 4095ths of the way from the smallest to the largest. *Layout 1* has them in bytes
+//! that repeat themselves where a pattern does:
 //!
-//! A link that was ever made can be read for ever: what this layout can't say will be another version.
+//! 4. x of every point, as the difference from the one before in its class: n high bytes, then n low bytes; y: n high
+//!    bytes, then n low bytes;
+//! 5. for every attribute n places in its list of values, a byte each; or the n numbers of twelve bits: n high bytes, then
+//!    n lower halves of a byte, two a byte, the first one lower.
+//!
+//! *Layout 2* has them in as few bits as random points can be told in (`bits.rs`). All places are multiples of the step of
+//! places, or 65535, and all values of the step of values, or 4095; numbers here are these multiples:
+//!
+//! 4. for each class the differences of x as Rice codes; then y of every point in truncated binary;
+//! 5. for every attribute n places or values in truncated binary.
+//!
+//! Numbers outside the bits are LEB128, values little-endian doubles, names a number of bytes and UTF-8.
+//!
+//! A link that would be longer than [`SHORT`] is rounded a little more, if that makes it short enough and moves no point
+//! by more than a 400th of the mean spacing; the writer says so. What was rounded once goes through other links unchanged.
+//!
+//! A link that was ever made can be read for ever: what these layouts can't say will be another version.
+
+mod bits;
+mod points;
 
 use glam::DVec2;
-use miniz_oxide::deflate::core::{CompressorOxide, TDEFLFlush, compress_to_output, create_comp_flags_from_zip_params};
-use miniz_oxide::inflate::decompress_to_vec_with_limit;
 use serde_json::{Map, Value};
 use thiserror::Error;
 
+use self::points::{PLACES, Precision, Sheet, VALUES};
 use super::declaration::number_text;
 use super::error::clip;
 use crate::domain::{Boundary, Domain};
 use crate::gallery;
+use crate::method::editions::{EDITION, values_before};
 use crate::method::{Parameters, Preset};
-use crate::pattern::{Attribute, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, PatternError, PointPattern};
+use crate::pattern::{PatternError, PointPattern};
 
 /// Longest fragment, in bytes.
 pub const MAX_LENGTH: usize = 32_768;
-/// Most bytes the points may inflate to: 16 bytes a point with eight attributes, and what names and lists take.
-const MAX_INFLATED: usize = 20 * MAX_POINTS;
-/// Longest name in bytes: 64 characters of UTF-8.
-const MAX_NAME_BYTES: usize = 256;
-/// An attribute with at most this many different values keeps them to the last digit.
-const MAX_LISTED: usize = 16;
+/// Longest fragment that is short: an address in front leaves it under 2 kB, which no program cuts.
+pub const SHORT: usize = 2000;
+/// A short link may move a point by half a step, and this many steps make the mean spacing at least.
+const STEPS_PER_SPACING: f64 = 200.0;
 const VERSION: &str = "1";
+/// What links that say nothing mean.
+const FIRST_EDITION: u32 = 1;
 const DEFAULT_EXEMPLAR: &str = "rings";
 /// The parameters that are words.
 const CHOICES: [&str; 5] = ["boundary", "start", "learning-rate-unit", "class-order", "class-maps"];
@@ -155,20 +173,100 @@ impl Link {
     }
 }
 
-/// Writes the fragment, without its `#`, and returns it with the exemplar as the receiver will have it: points rounded to
-/// 65535ths of the domain, in another order.
+/// A link as it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// Without its `#`.
+    pub fragment: String,
+    /// The exemplar as the receiver will have it: points rounded to 65535ths of the domain, in another order.
+    pub exemplar: LinkExemplar,
+    /// What was rounded more than that to keep the link short, in a sentence.
+    pub note: Option<String>,
+}
+
+/// Writes a link.
 ///
 /// # Errors
 /// When it would be longer than [`MAX_LENGTH`].
-pub fn write_link(link: &Link) -> Result<(String, LinkExemplar), LinkError> {
-    let exemplar = match &link.exemplar {
-        LinkExemplar::Gallery(name) => LinkExemplar::named(name)?,
-        LinkExemplar::Points(pattern) => LinkExemplar::Points(rounded(pattern)?),
+pub fn write_link(link: &Link) -> Result<Written, LinkError> {
+    let LinkExemplar::Points(pattern) = &link.exemplar else {
+        let fragment = link_text(link)?;
+        return Ok(Written { fragment, exemplar: link.exemplar.clone(), note: None });
     };
+    let full = Sheet::of(pattern, Precision::FULL);
+    let received = |sheet: &Sheet| -> Result<Link, LinkError> {
+        let pattern = sheet.pattern(corners(pattern.domain())?)?.with_boundary(pattern.boundary());
+        Ok(Link { exemplar: LinkExemplar::Points(pattern), ..link.clone() })
+    };
+    let mut written = received(&full)?;
+    let mut text = link_text(&written)? + "&points=";
+    let points = |sheet: &Sheet, precision: Precision| base64(&sheet.deflated(precision));
+    let is_short = |points: &str| text.len() + points.len() <= SHORT;
+
+    let mut shortest = points(&full, Precision::FULL);
+    let mut lossy = Vec::new();
+    for precision in Precision::LADDER {
+        let sheet = Sheet::of(pattern, precision);
+        if sheet != full {
+            lossy.push((sheet, precision));
+        } else if precision.place > 1 || precision.value > 1 && full.has_steps() {
+            // What a link has rounded already is told in its few bits again.
+            let next = points(&full, precision);
+            if next.len() < shortest.len() {
+                shortest = next;
+            }
+        }
+    }
+    let mut note = None;
+    if !is_short(&shortest) {
+        let spacing = pattern.mean_spacing().unwrap_or(0.0);
+        lossy.retain(|(sheet, precision)| {
+            let steps = spacing * f64::from(PLACES) / f64::from(precision.place);
+            // Points that are told apart stay apart.
+            precision.place == 1 || steps >= STEPS_PER_SPACING && sheet.distinct_places() == full.distinct_places()
+        });
+        // Most that are too long are far too long.
+        let fits = lossy.last().is_some_and(|(sheet, precision)| is_short(&points(sheet, *precision)));
+        let first = lossy.into_iter().filter(|_| fits).find_map(|(sheet, precision)| {
+            Some(points(&sheet, precision)).filter(|points| is_short(points)).map(|points| (sheet, precision, points))
+        });
+        if let Some((sheet, precision, points)) = first {
+            note = Some(rounding(&sheet, precision, spacing));
+            written = received(&sheet)?;
+            text = link_text(&written)? + "&points=";
+            shortest = points;
+        }
+    }
+    let fragment = text + &shortest;
+    if fragment.len() > MAX_LENGTH {
+        return Err(LinkError::TooLong { length: fragment.len(), max: MAX_LENGTH });
+    }
+    Ok(Written { fragment, exemplar: written.exemplar, note })
+}
+
+/// What was given up for a short link, for a person.
+fn rounding(sheet: &Sheet, precision: Precision, spacing: f64) -> String {
+    let parts = |step: u16, last: u16| (f64::from(last) / f64::from(step)).round();
+    let places = parts(precision.place, PLACES);
+    let mut told = Vec::new();
+    if precision.place > 1 {
+        let share = (2.0 * places * spacing).floor();
+        told.push(format!("points to 1/{places} of the pattern (no more than 1/{share} of their mean spacing)"));
+    }
+    if precision.value > 1 && sheet.has_steps() {
+        told.push(format!("values to 1/{} of their range", parts(precision.value, VALUES)));
+    }
+    format!("To keep the link under {SHORT} characters it rounds {}; a file keeps every digit.", told.join(" and "))
+}
+
+/// The fragment but for the points. The exemplar must be as the receiver will have it.
+fn link_text(link: &Link) -> Result<String, LinkError> {
     let mut text = format!("v={VERSION}&preset={}", link.preset.name());
-    let received = Link { exemplar: exemplar.clone(), ..link.clone() };
-    let plain = Link { overrides: Map::new(), ..received.clone() };
-    let (wanted, plain) = (fields(&received.parameters()?), fields(&plain.parameters()?));
+    if EDITION > FIRST_EDITION {
+        text.push_str(&format!("&presets={EDITION}"));
+    }
+    let plain = Link { overrides: Map::new(), ..link.clone() };
+    let (wanted, plain) = (fields(&link.parameters()?), fields(&plain.parameters()?));
     for name in Parameters::RANGES.iter().map(|range| range.name).chain(CHOICES) {
         match wanted.get(name) {
             Some(value) if plain.get(name) != Some(value) => {
@@ -182,7 +280,7 @@ pub fn write_link(link: &Link) -> Result<(String, LinkExemplar), LinkError> {
             _ => {}
         }
     }
-    match &exemplar {
+    match &link.exemplar {
         LinkExemplar::Gallery(name) => text.push_str(&format!("&exemplar={name}")),
         LinkExemplar::Points(pattern) => {
             let (min, max) = (pattern.domain().min(), pattern.domain().max());
@@ -193,13 +291,9 @@ pub fn write_link(link: &Link) -> Result<(String, LinkExemplar), LinkError> {
             if pattern.boundary() != Boundary::Open {
                 text.push_str(&format!("&exemplar-boundary={}", pattern.boundary().name()));
             }
-            text.push_str(&format!("&points={}", base64(&deflated(&packed(pattern)))));
         }
     }
-    if text.len() > MAX_LENGTH {
-        return Err(LinkError::TooLong { length: text.len(), max: MAX_LENGTH });
-    }
-    Ok((text, exemplar))
+    Ok(text)
 }
 
 /// The parameters under their names in files.
@@ -242,7 +336,8 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
                 Some("periodic") => Boundary::Periodic,
                 _ => Boundary::Open,
             };
-            LinkExemplar::Points(read_points(points, domain)?.with_boundary(boundary))
+            let deflated = unbase64(points).ok_or(LinkError::Points("a character is none of base64url's"))?;
+            LinkExemplar::Points(Sheet::inflated(&deflated)?.pattern(domain)?.with_boundary(boundary))
         }
         None => LinkExemplar::named(get("exemplar").unwrap_or(DEFAULT_EXEMPLAR))?,
     };
@@ -263,6 +358,15 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
             None => {
                 notes.push(format!("'{name}' was {:?}, which it can't be; the preset's value is used.", clip(text)))
             }
+        }
+    }
+    let edition = get("presets").map_or(FIRST_EDITION, |text| text.parse().unwrap_or(u32::MAX));
+    if edition > EDITION {
+        notes.push("The link was made with later presets; those of this program are used.".to_owned());
+    } else if edition < EDITION {
+        let pattern = exemplar.pattern().ok_or(LinkError::Points("there is no exemplar"))?;
+        for (name, value) in values_before(edition, preset, &pattern) {
+            overrides.entry(name).or_insert(value);
         }
     }
     let mut link = Link { exemplar, preset, overrides, notes };
@@ -305,278 +409,10 @@ fn percent_decoded(text: &str) -> String {
     decoded
 }
 
-// ------------------------------------------------------------------------------------------------------- points
-
-/// Share of a side in 65535ths.
-fn quantised(share: f64) -> u16 {
-    // Saturates; a point of a pattern lies in its domain.
-    (share * 65_535.0).round() as u16
-}
-
-/// What the receiver will have.
-fn rounded(pattern: &PointPattern) -> Result<PointPattern, LinkError> {
-    let bytes = packed(pattern);
-    Ok(unpacked(&bytes, corners(pattern.domain())?)?.with_boundary(pattern.boundary()))
-}
-
 /// The domain as its corners tell it: a link holds no sizes.
 fn corners(domain: Domain) -> Result<Domain, LinkError> {
     let max = domain.max();
     Ok(Domain::new(domain.min(), max - domain.min())?)
-}
-
-/// An attribute's list of values, when there are few.
-fn listed(values: &[f64]) -> Option<Vec<f64>> {
-    let mut list: Vec<f64> = Vec::new();
-    for value in values {
-        if !list.iter().any(|known| known.to_bits() == value.to_bits()) {
-            list.push(*value);
-        }
-        if list.len() > MAX_LISTED {
-            return None;
-        }
-    }
-    // In order, so that the order of the points does not show.
-    list.sort_unstable_by(f64::total_cmp);
-    Some(list)
-}
-
-/// Sections 1 to 3 and those after, each to be deflated by itself: their bytes have little in common.
-fn packed(pattern: &PointPattern) -> Vec<Vec<u8>> {
-    let domain = pattern.domain();
-    let places: Vec<[u16; 2]> = pattern
-        .positions()
-        .iter()
-        .map(|&point| ((point - domain.min()) / domain.size()).to_array().map(quantised))
-        .collect();
-    let mut order: Vec<usize> = (0..pattern.len()).collect();
-    order.sort_by_key(|&point| (pattern.classes()[point], places[point]));
-
-    let mut head = Vec::new();
-    push_number(&mut head, 1);
-    push_number(&mut head, pattern.len());
-    let names = pattern.class_names();
-    if names == ["points"] {
-        push_number(&mut head, 0);
-    } else {
-        push_number(&mut head, names.len());
-        for (class, name) in names.iter().enumerate() {
-            push_name(&mut head, name);
-            push_number(&mut head, pattern.classes().iter().filter(|&&other| usize::from(other) == class).count());
-        }
-    }
-    push_number(&mut head, pattern.attributes().len());
-
-    let (mut x_high, mut x_low, mut y_high, mut y_low) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut before = None;
-    for &point in &order {
-        let [x, y] = places[point];
-        let class = pattern.classes()[point];
-        // A class begins at 0 again.
-        let step = match before {
-            Some((same, last)) if same == class => x - last,
-            _ => x,
-        };
-        before = Some((class, x));
-        let ([high, low], [y1, y0]) = (step.to_be_bytes(), y.to_be_bytes());
-        x_high.push(high);
-        x_low.push(low);
-        y_high.push(y1);
-        y_low.push(y0);
-    }
-    let mut rest = vec![x_high, x_low, y_high, y_low];
-    for attribute in pattern.attributes() {
-        push_name(&mut head, &attribute.name);
-        let values: Vec<f64> = order.iter().map(|&point| attribute.values[point]).collect();
-        if let Some(list) = listed(&values) {
-            head.push(0);
-            push_number(&mut head, list.len());
-            list.iter().for_each(|value| head.extend_from_slice(&value.to_le_bytes()));
-            let place = |value: &f64| list.iter().position(|known| known.to_bits() == value.to_bits()).unwrap_or(0);
-            rest.push(values.iter().map(|value| place(value) as u8).collect());
-            continue;
-        }
-        let (low, high) = attribute.range();
-        head.push(1);
-        head.extend_from_slice(&low.to_le_bytes());
-        head.extend_from_slice(&high.to_le_bytes());
-        // Halved first: the difference of two doubles need not be one.
-        let steps: Vec<u16> = values
-            .iter()
-            .map(|&value| ((value / 2.0 - low / 2.0) / (high / 2.0 - low / 2.0) * 4095.0).round() as u16)
-            .collect();
-        rest.push(steps.iter().map(|step| (step >> 4) as u8).collect());
-        let half = |step: &u16| (step & 15) as u8;
-        rest.push(steps.chunks(2).map(|two| half(&two[0]) | two.get(1).map_or(0, half) << 4).collect());
-    }
-    let mut sections = vec![head];
-    sections.append(&mut rest);
-    sections
-}
-
-fn push_number(bytes: &mut Vec<u8>, mut number: usize) {
-    while number >= 128 {
-        bytes.push(number as u8 | 128);
-        number >>= 7;
-    }
-    bytes.push(number as u8);
-}
-
-fn push_name(bytes: &mut Vec<u8>, name: &str) {
-    push_number(bytes, name.len());
-    bytes.extend_from_slice(name.as_bytes());
-}
-
-/// Deflates all sections in one go, or with codes of their own for the first two, or for each, and takes what is
-/// shortest: regular patterns repeat themselves from one section to the next, random ones do not, and of them only the
-/// high bytes of steps can be made smaller.
-fn deflated(sections: &[Vec<u8>]) -> Vec<u8> {
-    let run = |apart: usize| {
-        // The best level; a negative window means no zlib header.
-        let mut compressor = CompressorOxide::new(create_comp_flags_from_zip_params(10, -15, 0));
-        let mut bytes = Vec::new();
-        for (index, section) in sections.iter().enumerate() {
-            let flush = if index + 1 == sections.len() {
-                TDEFLFlush::Finish
-            } else if index < apart {
-                TDEFLFlush::Sync
-            } else {
-                TDEFLFlush::None
-            };
-            compress_to_output(&mut compressor, section, flush, |piece| {
-                bytes.extend_from_slice(piece);
-                true
-            });
-        }
-        bytes
-    };
-    [2, sections.len()]
-        .map(run)
-        .into_iter()
-        .fold(run(0), |best, next| if next.len() < best.len() { next } else { best })
-}
-
-/// Reads the points of a link.
-fn read_points(text: &str, domain: Domain) -> Result<PointPattern, LinkError> {
-    let deflated = unbase64(text).ok_or(LinkError::Points("a character is none of base64url's"))?;
-    let bytes = decompress_to_vec_with_limit(&deflated, MAX_INFLATED)
-        .map_err(|_| LinkError::Points("they can't be inflated"))?;
-    unpacked(&[bytes], domain)
-}
-
-/// Walks through bytes that may end too soon.
-struct Cursor<'a>(&'a [u8]);
-
-impl<'a> Cursor<'a> {
-    fn take(&mut self, count: usize) -> Result<&'a [u8], LinkError> {
-        let (taken, rest) = self.0.split_at_checked(count).ok_or(LinkError::Points("they end too soon"))?;
-        self.0 = rest;
-        Ok(taken)
-    }
-
-    fn number(&mut self, max: usize, message: &'static str) -> Result<usize, LinkError> {
-        let mut number = 0;
-        // 21 bits are more than any number here needs.
-        for shift in [0, 7, 14] {
-            let byte = usize::from(self.take(1)?[0]);
-            number |= (byte & 127) << shift;
-            if byte < 128 {
-                return if number <= max { Ok(number) } else { Err(LinkError::Points(message)) };
-            }
-        }
-        Err(LinkError::Points(message))
-    }
-
-    fn name(&mut self) -> Result<String, LinkError> {
-        let length = self.number(MAX_NAME_BYTES, "a name is too long")?;
-        let bytes = self.take(length)?;
-        std::str::from_utf8(bytes).map(str::to_owned).map_err(|_| LinkError::Points("a name is not text"))
-    }
-
-    fn double(&mut self) -> Result<f64, LinkError> {
-        let mut bytes = [0; 8];
-        bytes.copy_from_slice(self.take(8)?);
-        Ok(f64::from_le_bytes(bytes))
-    }
-}
-
-/// How an attribute's values are written.
-enum Scale {
-    Listed(Vec<f64>),
-    Between(f64, f64),
-}
-
-fn unpacked<B: AsRef<[u8]>>(sections: &[B], domain: Domain) -> Result<PointPattern, LinkError> {
-    let bytes: Vec<u8> = sections.iter().flat_map(|section| section.as_ref()).copied().collect();
-    let mut cursor = Cursor(&bytes);
-    cursor.number(1, "their layout is not known")?;
-    let count = cursor.number(MAX_POINTS, "there are too many")?;
-    let mut names = Vec::new();
-    let mut counts = Vec::new();
-    for _ in 0..cursor.number(MAX_CLASSES, "they are of too many classes")? {
-        names.push(cursor.name()?);
-        counts.push(cursor.number(count, "a class has more points than there are")?);
-    }
-    if names.is_empty() {
-        counts.push(count);
-    }
-    if counts.iter().sum::<usize>() != count {
-        return Err(LinkError::Points("the classes do not have as many points as there are"));
-    }
-    let mut scales = Vec::new();
-    for _ in 0..cursor.number(MAX_ATTRIBUTES, "they have too many attributes")? {
-        let name = cursor.name()?;
-        let scale = match cursor.number(1, "an attribute is written in a way that is not known")? {
-            0 => {
-                let listed = cursor.number(MAX_LISTED, "an attribute lists too many values")?;
-                Scale::Listed((0..listed).map(|_| cursor.double()).collect::<Result<_, _>>()?)
-            }
-            _ => Scale::Between(cursor.double()?, cursor.double()?),
-        };
-        scales.push((name, scale));
-    }
-
-    let [x_high, x_low, y_high, y_low] =
-        [cursor.take(count)?, cursor.take(count)?, cursor.take(count)?, cursor.take(count)?];
-    let mut positions = Vec::with_capacity(count);
-    let mut classes = Vec::with_capacity(count);
-    for (class, &members) in counts.iter().enumerate() {
-        let mut x = 0_u16;
-        for _ in 0..members {
-            let point = positions.len();
-            let step = u16::from_be_bytes([x_high[point], x_low[point]]);
-            x = x.checked_add(step).ok_or(LinkError::Points("one lies outside the domain"))?;
-            let y = u16::from_be_bytes([y_high[point], y_low[point]]);
-            let share = DVec2::new(f64::from(x), f64::from(y)) / 65_535.0;
-            // Rounding must not leave the last one outside.
-            positions.push((domain.min() + share * domain.size()).clamp(domain.min(), domain.max()));
-            classes.push(class as u16);
-        }
-    }
-    let mut pattern = PointPattern::new(domain, positions)?;
-    if !names.is_empty() {
-        pattern = pattern.with_classes(classes, names)?;
-    }
-    for (name, scale) in scales {
-        let values: Vec<f64> = match scale {
-            Scale::Listed(list) => {
-                let places = cursor.take(count)?.iter();
-                let found: Option<Vec<f64>> = places.map(|&place| list.get(usize::from(place)).copied()).collect();
-                found.ok_or(LinkError::Points("an attribute has a value that is not in its list"))?
-            }
-            Scale::Between(low, high) => {
-                let (tops, halves) = (cursor.take(count)?, cursor.take(count.div_ceil(2))?);
-                let value = |(point, &top): (usize, &u8)| {
-                    let half = (halves[point / 2] >> (4 * (point % 2))) & 15;
-                    let share = f64::from(u16::from(top) << 4 | u16::from(half)) / 4095.0;
-                    low * (1.0 - share) + high * share
-                };
-                tops.iter().enumerate().map(value).collect()
-            }
-        };
-        pattern = pattern.with_attribute(Attribute { name, values })?;
-    }
-    Ok(pattern)
 }
 
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";

@@ -51,6 +51,7 @@ mod preview;
 mod project;
 mod reference;
 pub mod style;
+mod style_sheet;
 pub(crate) mod svg;
 mod svg_points;
 mod table;
@@ -196,8 +197,9 @@ pub fn open(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
     }
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let text = std::str::from_utf8(bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
-        FormatError::NotUtf8 { line, byte: bytes[error.valid_up_to()] }
+        let (valid, rest) = bytes.split_at(error.valid_up_to());
+        let (line, column) = error::place(&String::from_utf8_lossy(valid), valid.len());
+        FormatError::NotUtf8 { line, column, byte: rest.first().copied().unwrap_or_default() }
     })?;
     let named_json = file_name
         .and_then(|name| name.rsplit_once('.'))

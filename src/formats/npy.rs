@@ -14,8 +14,8 @@ const MAX_HEADER: usize = 10_000;
 /// Most columns, skipped ones included.
 const MAX_COLUMNS: usize = 64;
 
-fn refuse<T>(reason: impl Into<String>) -> Result<T, FormatError> {
-    Err(FormatError::Array { reason: reason.into() })
+fn refuse<T>(byte: usize, reason: impl Into<String>) -> Result<T, FormatError> {
+    Err(FormatError::Array { reason: reason.into(), byte })
 }
 
 /// The type of the numbers.
@@ -28,7 +28,7 @@ struct Kind {
 }
 
 impl Kind {
-    fn parse(descr: &str) -> Result<Self, FormatError> {
+    fn parse(descr: &str, at: usize) -> Result<Self, FormatError> {
         let bytes = descr.as_bytes();
         let (big_endian, rest) = match bytes {
             [b'>', rest @ ..] => (true, rest),
@@ -39,10 +39,13 @@ impl Kind {
             [letter @ b'f', size @ (b'4' | b'8')]
             | [letter @ (b'i' | b'u'), size @ (b'1' | b'2' | b'4' | b'8')]
             | [letter @ b'b', size @ b'1'] => Ok(Self { letter, size: usize::from(size - b'0'), big_endian }),
-            _ => refuse(format!(
-                "its numbers are of type {:?}; real numbers (f4, f8) and whole ones (i1 to u8) can be read",
-                super::error::clip(descr)
-            )),
+            _ => refuse(
+                at,
+                format!(
+                    "its numbers are of type {:?}; real numbers (f4, f8) and whole ones (i1 to u8) can be read",
+                    super::error::clip(descr)
+                ),
+            ),
         }
     }
 
@@ -65,42 +68,48 @@ impl Kind {
     }
 }
 
-/// What follows `'key':` in the header, up to whatever ends it.
-fn member<'a>(header: &'a str, key: &str) -> Result<&'a str, FormatError> {
-    let missing = || FormatError::Array { reason: format!("its header has no '{key}'") };
+/// What follows `'key':` in the header, which begins at byte `start` of the file, up to the header's end; and where.
+fn member<'a>(header: &'a str, start: usize, key: &str) -> Result<(&'a str, usize), FormatError> {
+    let missing = || FormatError::Array { reason: format!("its header has no '{key}'"), byte: start };
     let at = [format!("'{key}':"), format!("\"{key}\":")].iter().find_map(|k| header.find(k.as_str()));
     let rest = header.get(at.ok_or_else(missing)? + key.len() + 3..).ok_or_else(missing)?;
-    Ok(rest.trim_start())
+    let rest = rest.trim_start();
+    Ok((rest, start + header.len() - rest.len()))
 }
 
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Reading, FormatError> {
-    let short = || FormatError::Array { reason: "it ends within its header".to_owned() };
+    let short = || FormatError::Array { reason: "it ends within its header".to_owned(), byte: bytes.len() };
     let rest = bytes.get(MAGIC.len()..).ok_or_else(short)?;
     let (length, start) = match *rest {
         [1, _, a, b, ..] => (usize::from(u16::from_le_bytes([a, b])), 4),
         [2 | 3, _, a, b, c, d, ..] => (u32::from_le_bytes([a, b, c, d]) as usize, 6),
         [version, ..] if !(1..=3).contains(&version) => {
-            return refuse(format!("its version is {version}; 1 to 3 can be read"));
+            return refuse(MAGIC.len(), format!("its version is {version}; 1 to 3 can be read"));
         }
         _ => return Err(short()),
     };
     if length > MAX_HEADER {
-        return refuse(format!("its header has {length} bytes; at most {MAX_HEADER} are allowed"));
+        return refuse(MAGIC.len() + 2, format!("its header has {length} bytes; at most {MAX_HEADER} are allowed"));
     }
     let header = rest.get(start..start + length).ok_or_else(short)?;
     let data = &rest[start + length..];
-    let Ok(header) = std::str::from_utf8(header) else { return refuse("its header is not text") };
+    let start = MAGIC.len() + start;
+    let header = match std::str::from_utf8(header) {
+        Ok(header) => header,
+        Err(error) => return refuse(start + error.valid_up_to(), "its header is not text"),
+    };
 
-    let descr = member(header, "descr")?;
+    let (descr, at) = member(header, start, "descr")?;
     let quoted = descr.strip_prefix(['\'', '"']).and_then(|text| text.split(['\'', '"']).next());
-    let Some(descr) = quoted else { return refuse("it has named fields; save its columns as one plain array") };
-    let kind = Kind::parse(descr)?;
-    let fortran = member(header, "fortran_order")?.starts_with("True");
-    let [rows, columns] = shape(member(header, "shape")?)?;
+    let Some(descr) = quoted else { return refuse(at, "it has named fields; save its columns as one plain array") };
+    let kind = Kind::parse(descr, at)?;
+    let fortran = member(header, start, "fortran_order")?.0.starts_with("True");
+    let (text, at) = member(header, start, "shape")?;
+    let [rows, columns] = shape(text, at)?;
 
     let needed = rows.checked_mul(columns).and_then(|count| count.checked_mul(kind.size));
     if needed != Some(data.len()) {
-        return refuse(format!("{rows} × {columns} numbers do not take {} bytes", data.len()));
+        return refuse(start + length, format!("{rows} × {columns} numbers do not take {} bytes", data.len()));
     }
     let mut table = Table::new(Declared::default());
     for row in 0..rows {
@@ -114,26 +123,24 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Reading, Forma
 }
 
 /// `(300, 2)`.
-fn shape(text: &str) -> Result<[usize; 2], FormatError> {
+fn shape(text: &str, at: usize) -> Result<[usize; 2], FormatError> {
     let inner = text.strip_prefix('(').and_then(|text| text.split_once(')')).map_or("", |(inner, _)| inner);
     let sides: Vec<&str> = inner.split(',').map(str::trim).filter(|side| !side.is_empty()).collect();
     let [rows, columns] = sides.as_slice() else {
-        return refuse(format!(
-            "its shape is ({}); N rows of x, y and perhaps more are needed",
-            super::error::clip(&sides.join(", "))
-        ));
+        let found = super::error::clip(&sides.join(", "));
+        return refuse(at, format!("its shape is ({found}); N rows of x, y and perhaps more are needed"));
     };
     let (Ok(rows), Ok(columns)) = (rows.parse(), columns.parse()) else {
-        return refuse(format!("its shape is ({}), which are no sizes", super::error::clip(inner)));
+        return refuse(at, format!("its shape is ({}), which are no sizes", super::error::clip(inner)));
     };
     if rows == 0 {
         return Err(FormatError::NoPoints);
     }
     if !(2..=MAX_COLUMNS).contains(&columns) {
-        return refuse(format!("it has {columns} columns; x, y and at most {} more are needed", MAX_COLUMNS - 2));
+        return refuse(at, format!("it has {columns} columns; x, y and at most {} more are needed", MAX_COLUMNS - 2));
     }
     if rows > MAX_POINTS {
-        return refuse(format!("it has {rows} rows; at most {MAX_POINTS} points are allowed"));
+        return refuse(at, format!("it has {rows} rows; at most {MAX_POINTS} points are allowed"));
     }
     Ok([rows, columns])
 }

@@ -11,10 +11,11 @@
 
 use serde_json::{Map, Value, json};
 
-use super::json::{layout, located};
+use super::error::clip;
+use super::json::{layout, layout_at, located, member_place, misfit};
 use super::{FileFormat, FormatError, ReadOptions, Reading};
 use crate::method::{Parameters, Preset};
-use crate::pattern::PointPattern;
+use crate::pattern::{PointPattern, RawPattern};
 
 const MARK: &str = "pointweave-project";
 const VERSION: u64 = 1;
@@ -40,12 +41,14 @@ pub(super) fn is_project(object: &Map<String, Value>) -> bool {
     object.contains_key(MARK)
 }
 
-pub(super) fn read(mut object: Map<String, Value>, options: &ReadOptions) -> Result<Reading, FormatError> {
+pub(super) fn read(text: &str, mut object: Map<String, Value>, options: &ReadOptions) -> Result<Reading, FormatError> {
     if object.get(MARK).and_then(Value::as_u64) != Some(VERSION) {
         let found = object.get(MARK).map(Value::to_string).unwrap_or_default();
-        return Err(layout(format!("it is a project of version {found}; this program reads {VERSION}")));
+        let message = format!("it is a project of version {}; this program reads {VERSION}", clip(&found));
+        return Err(layout(text, &[MARK], message));
     }
-    let exemplar = object.remove("exemplar").ok_or_else(|| layout("the project has no 'exemplar'".to_owned()))?;
+    let exemplar =
+        object.remove("exemplar").ok_or_else(|| layout(text, &[], "the project has no 'exemplar'".to_owned()))?;
     let state = match object.remove("run") {
         Some(Value::Object(mut run)) => {
             // The exemplar as it was written, whatever the caller says about its domain.
@@ -53,22 +56,19 @@ pub(super) fn read(mut object: Map<String, Value>, options: &ReadOptions) -> Res
             Some(Value::Object(run).to_string())
         }
         None | Some(Value::Null) => None,
-        Some(_) => return Err(layout("'run' of the project must be an object".to_owned())),
+        Some(_) => return Err(layout(text, &["run"], "'run' of the project must be an object".to_owned())),
     };
-    let pattern: PointPattern =
-        serde_json::from_value(exemplar).map_err(|error| layout(format!("'exemplar' of the project: {error}")))?;
+    let pattern = pattern(text, "exemplar", exemplar)?;
     let output = match object.remove("output") {
         None | Some(Value::Null) => None,
-        Some(value) => {
-            Some(serde_json::from_value(value).map_err(|error| layout(format!("'output' of the project: {error}")))?)
-        }
+        Some(value) => Some(self::pattern(text, "output", value)?),
     };
-    let text = |name: &str| object.get(name).and_then(Value::as_str).unwrap_or_default();
-    let preset = match text("preset") {
+    let word = |name: &str| object.get(name).and_then(Value::as_str).unwrap_or_default();
+    let preset = match word("preset") {
         "" => Preset::default(),
-        name => Preset::from_name(name).map_err(|error| layout(error.to_string()))?,
+        name => Preset::from_name(name).map_err(|error| layout(text, &["preset"], error.to_string()))?,
     };
-    let title = text("title").chars().take(MAX_TITLE_LENGTH).collect();
+    let title = word("title").chars().take(MAX_TITLE_LENGTH).collect();
     let mut notes = Vec::new();
     let mut overrides = Map::new();
     if let Some(Value::Object(chosen)) = object.get("overrides") {
@@ -80,15 +80,25 @@ pub(super) fn read(mut object: Map<String, Value>, options: &ReadOptions) -> Res
                     }
                     overrides.insert(name.clone(), allowed);
                 }
-                None => notes.push(format!("There is no parameter '{}' with such a value.", super::error::clip(name))),
+                None => notes.push(format!("There is no parameter '{}' with such a value.", clip(name))),
             }
         }
     }
-    let mut reading = Reading::new(FileFormat::Project, options.apply(pattern)?);
+    let pattern = options.apply(pattern).map_err(|error| misfit(text, &["exemplar"], &error))?;
+    let mut reading = Reading::new(FileFormat::Project, pattern);
     reading.is_domain_declared = true;
     reading.notes = notes;
     reading.project = Some(Project { title, preset, overrides, output, state });
     Ok(reading)
+}
+
+/// A member that is a pattern.
+fn pattern(text: &str, name: &str, value: Value) -> Result<PointPattern, FormatError> {
+    let raw: RawPattern = serde_json::from_value(value).map_err(|error| {
+        let message = format!("'{name}' of the project: {error}");
+        layout_at(member_place(text, &[name]), message)
+    })?;
+    PointPattern::try_from(raw).map_err(|error| misfit(text, &[name], &error))
 }
 
 /// Writes a session as JSON that reads back without loss.

@@ -9,7 +9,7 @@ use super::error::{FormatError, clip};
 use super::table::{Role, Row, RowPlace, Table};
 use super::whitespace::split_comment;
 use crate::domain::Domain;
-use crate::pattern::MAX_CLASSES;
+use crate::pattern::{MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH};
 
 /// What stands for 1.
 const ONE: i64 = 10_000;
@@ -58,7 +58,8 @@ fn announced<'a>(cells: &[&'a str]) -> Option<Vec<&'a str>> {
     if count == 0 || count != ids.len() {
         return None;
     }
-    let distinct = ids.iter().enumerate().all(|(i, id)| !ids[..i].contains(id) && id.parse::<i64>().is_ok());
+    let is_id = |id: &str| id.len() <= MAX_NAME_LENGTH && id.parse::<i64>().is_ok();
+    let distinct = ids.iter().enumerate().all(|(i, id)| !ids[..i].contains(id) && is_id(id));
     distinct.then(|| ids.to_vec())
 }
 
@@ -72,6 +73,10 @@ fn table<'a>(lines: impl Iterator<Item = (usize, Vec<&'a str>)>, ids: &[&str]) -
     table.divisor = ONE as f64;
     for (line, cells) in lines {
         let place = RowPlace::Line(line);
+        if cells.len() > 3 + MAX_ATTRIBUTES {
+            let place = place.cell(3 + MAX_ATTRIBUTES);
+            return Err(FormatError::TooMany { place, what: "attributes", max: MAX_ATTRIBUTES });
+        }
         if table.roles.is_none() {
             table.roles = Some(roles(cells.len()));
         }

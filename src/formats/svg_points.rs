@@ -3,7 +3,8 @@
 //!
 //! The class is what a group says with `data-class` (as [`write_svg`](super::write_svg) does), else the fill, else the
 //! stroke; with more than one radius there is an attribute `radius`. y points down, as in the drawing and on the page.
-//! Style sheets are not looked at, documents with a DTD are refused, and nothing outside the file is ever fetched.
+//! Of style sheets the rules for elements, ids and classes count. Documents with a DTD are refused, and nothing outside
+//! the file is ever fetched.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -11,9 +12,10 @@ use std::collections::HashMap;
 use glam::{DAffine2, DMat2, DVec2};
 use roxmltree::{Document, Node, ParsingOptions};
 
-use super::error::{FormatError, clip};
+use super::error::{FormatError, Place, clip, place};
 use super::guess::guess_domain;
 use super::style::RADIUS_ATTRIBUTE;
+use super::style_sheet::{StyleSheet, Styles};
 use super::svg::GLYPH;
 use super::{FileFormat, ReadOptions, Reading};
 use crate::domain::{Boundary, Domain};
@@ -50,6 +52,8 @@ struct Context {
 }
 
 struct Found {
+    /// First byte of the element.
+    at: usize,
     position: DVec2,
     radius: f64,
     class: String,
@@ -58,6 +62,7 @@ struct Found {
 struct Reader<'a> {
     document: &'a Document<'a>,
     ids: HashMap<&'a str, Node<'a, 'a>>,
+    sheet: &'a StyleSheet,
     found: Vec<Found>,
     visits: usize,
     /// Shapes that are no circles.
@@ -93,16 +98,21 @@ fn without_doctype(text: &str) -> Cow<'_, str> {
 
 /// Refuses what the parser would take too long over.
 fn check_size(text: &str) -> Result<(), FormatError> {
-    let refuse = |message: &str| {
+    let refuse = |byte: usize, message: &str| {
+        let (line, column) = place(text, byte);
         let message = format!("the SVG can't be used: {message}");
-        Err(FormatError::Syntax { line: 0, column: 0, message })
+        Err(FormatError::Syntax { line, column, message })
     };
-    if text.split('<').any(|element| element.bytes().filter(|&byte| byte == b'=').count() > MAX_ELEMENT_ATTRIBUTES) {
-        return refuse("an element has too many attributes");
+    let mut at = 0;
+    for (index, element) in text.split('<').enumerate() {
+        if element.bytes().filter(|&byte| byte == b'=').count() > MAX_ELEMENT_ATTRIBUTES {
+            return refuse(at, "an element has too many attributes");
+        }
+        at += element.len() + usize::from(index > 0);
     }
     let (named, all) = (text.matches("xmlns:").count(), text.matches("xmlns").count());
     if (named + 1).saturating_mul(all) > MAX_NAMESPACE_WORK {
-        return refuse("it declares too many namespaces");
+        return refuse(text.rfind("xmlns").unwrap_or(0), "it declares too many namespaces");
     }
     Ok(())
 }
@@ -115,10 +125,13 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
     let root = document.root_element();
     if root.tag_name().name() != "svg" {
         let message = format!("its outermost element is <{}>, not <svg>", clip(root.tag_name().name()));
-        return Err(FormatError::Syntax { line: 1, column: 1, message });
+        let position = document.text_pos_at(root.range().start);
+        return Err(FormatError::Syntax { line: position.row as usize, column: position.col as usize, message });
     }
     let ids = root.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
-    let mut reader = Reader { document: &document, ids, found: Vec::new(), visits: 0, others: 0, degenerate: 0 };
+    let sheet = StyleSheet::of(root);
+    let mut reader =
+        Reader { document: &document, ids, sheet: &sheet, found: Vec::new(), visits: 0, others: 0, degenerate: 0 };
     let canvas = Canvas::of(root, DVec2::splat(100.0));
     let context = Context {
         transform: DAffine2::IDENTITY,
@@ -191,9 +204,10 @@ impl<'a> Reader<'a> {
             // What is not shown where it stands: defs, symbol, clipPath, mask, pattern, marker, style, title, …
             _ => return Ok(()),
         }
-        let mut context = self.enter(node, outer)?;
+        let styles = self.styles(node)?;
+        let mut context = self.enter(node, outer, &styles)?;
         match name {
-            "circle" | "ellipse" | "path" => self.take(node, &context),
+            "circle" | "ellipse" | "path" => self.take(node, &context, &styles),
             "use" => self.follow(node, &context),
             _ => {
                 if name == "svg" && outer.depth > 0 {
@@ -207,11 +221,20 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// What holds within an element.
-    fn enter(&self, node: Node, outer: &Context) -> Result<Context, FormatError> {
-        if ["style", "transform"].iter().any(|name| node.attribute(*name).is_some_and(|t| t.len() > MAX_STYLE_LENGTH)) {
-            return self.refuse(node, &format!("a style or transform has more than {MAX_STYLE_LENGTH} bytes"));
+    /// What style sheets say of an element.
+    fn styles(&self, node: Node) -> Result<Styles<'a>, FormatError> {
+        let is_long = |name: &&str| node.attribute(*name).is_some_and(|text| text.len() > MAX_STYLE_LENGTH);
+        if ["style", "class", "transform"].iter().any(is_long) {
+            return self.refuse(node, &format!("a style, class or transform has more than {MAX_STYLE_LENGTH} bytes"));
         }
+        match self.sheet.styles(node) {
+            Some(styles) => Ok(styles),
+            None => self.refuse(node, "its style sheets have too many rules for so many elements"),
+        }
+    }
+
+    /// What holds within an element.
+    fn enter(&self, node: Node, outer: &Context, styles: &Styles<'_>) -> Result<Context, FormatError> {
         let mut context = Context { depth: outer.depth + 1, ..outer.clone() };
         if let Some(text) = node.attribute("transform") {
             match transform(text) {
@@ -219,7 +242,8 @@ impl<'a> Reader<'a> {
                 None => return self.refuse(node, &format!("{:?} is not a transform", clip(text))),
             }
         }
-        let paint = |name| property(node, name).filter(|value| *value != "inherit");
+        let property = |name| styles.property(node, name);
+        let paint = |name| property(name).filter(|value| *value != "inherit");
         if let Some(fill) = paint("fill") {
             context.fill = Some(fill.to_owned());
         }
@@ -229,10 +253,10 @@ impl<'a> Reader<'a> {
         if let Some(class) = node.attribute("data-class") {
             context.class = Some(class.to_owned());
         }
-        if property(node, "display") == Some("none") {
+        if property("display") == Some("none") {
             context.is_displayed = false;
         }
-        match property(node, "visibility") {
+        match property("visibility") {
             Some("hidden" | "collapse") => context.is_visible = false,
             Some("visible") => context.is_visible = true,
             _ => {}
@@ -273,7 +297,7 @@ impl<'a> Reader<'a> {
         let mut context = context.clone();
         context.transform *= DAffine2::from_translation(at);
         if target.tag_name().name() == "symbol" {
-            let inner = self.enter(target, &context)?;
+            let inner = self.enter(target, &context, &self.styles(target)?)?;
             for child in target.children().filter(Node::is_element) {
                 self.visit(child, &inner)?;
             }
@@ -282,13 +306,13 @@ impl<'a> Reader<'a> {
         self.visit(target, &context)
     }
 
-    fn take(&mut self, node: Node, context: &Context) -> Result<(), FormatError> {
+    fn take(&mut self, node: Node, context: &Context, styles: &Styles<'_>) -> Result<(), FormatError> {
         let fill = context.fill.as_deref().unwrap_or("black");
         let stroke = context.stroke.as_deref().unwrap_or("none");
         let paint = [fill, stroke].into_iter().find(|paint| *paint != "none" && *paint != "transparent");
         let (true, Some(paint)) = (context.is_displayed && context.is_visible, paint) else { return Ok(()) };
         let diagonal = context.viewport.length() / std::f64::consts::SQRT_2;
-        let get = |name: &str, whole: f64| match property(node, name) {
+        let get = |name: &str, whole: f64| match styles.property(node, name) {
             None => Ok(None),
             Some(text) => match length(text, whole) {
                 Some(value) => Ok(Some(value)),
@@ -317,7 +341,7 @@ impl<'a> Reader<'a> {
             return self.refuse(node, &format!("it has more than {MAX_POINTS} circles"));
         }
         let class = context.class.clone().unwrap_or_else(|| color_name(paint));
-        self.found.push(Found { position, radius, class });
+        self.found.push(Found { at: node.range().start, position, radius, class });
         Ok(())
     }
 
@@ -350,10 +374,17 @@ impl<'a> Reader<'a> {
         if self.degenerate > 0 {
             notes.push(format!("{} circles without a size were left out.", self.degenerate));
         }
+        match self.sheet.left_out {
+            0 => {}
+            1 => notes.push(
+                "One rule of its style sheets is more than elements, ids and classes, and was left out.".to_owned(),
+            ),
+            rules => notes.push(format!(
+                "{rules} rules of its style sheets are more than elements, ids and classes, and were left out."
+            )),
+        }
         if self.found.is_empty() {
-            let message =
-                format!("the SVG can't be used: it shows no circles or ellipses, but {} other shapes", self.others);
-            return Err(FormatError::Syntax { line: 0, column: 0, message });
+            return self.refuse(root, &format!("it shows no circles or ellipses, but {} other shapes", self.others));
         }
         let positions: Vec<DVec2> = self.found.iter().map(|found| found.position).collect();
         let is_domain_declared = options.domain.or(domain).is_some();
@@ -361,6 +392,15 @@ impl<'a> Reader<'a> {
             Some(domain) => domain,
             None => page_or_points(canvas, &positions)?,
         };
+        if let Some(found) = self.found.iter().find(|found| !domain.contains(found.position)) {
+            let position = self.document.text_pos_at(found.at);
+            return Err(FormatError::Outside {
+                place: Place::Line { line: position.row as usize, column: position.col as usize },
+                at: found.position.into(),
+                min: domain.min().into(),
+                max: domain.max().into(),
+            });
+        }
         let pattern = PointPattern::new(domain, positions)?.with_boundary(options.boundary.unwrap_or(boundary));
         let mut reading = Reading::new(FileFormat::Svg, self.dress(pattern, &mut notes)?);
         reading.is_domain_declared = is_domain_declared;
@@ -442,16 +482,6 @@ fn page_or_points(canvas: &Canvas, positions: &[DVec2]) -> Result<Domain, Format
         return Ok(page);
     }
     guessed
-}
-
-/// A property of the style attribute, or the attribute of that name.
-fn property<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
-    let styled = node.attribute("style").and_then(|style| {
-        let declarations = style.split(';').filter_map(|declaration| declaration.split_once(':'));
-        let last = declarations.rev().find(|(key, _)| key.trim() == name);
-        last.map(|(_, value)| value.trim().trim_end_matches("!important").trim_end())
-    });
-    styled.or_else(|| node.attribute(name).map(str::trim))
 }
 
 /// A length in user units; a share in percent is one of `whole`.

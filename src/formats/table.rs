@@ -7,7 +7,9 @@ use super::error::{FormatError, Place, clip};
 use super::guess::guess_domain;
 use super::{FileFormat, ReadOptions, Reading};
 use crate::domain::Boundary;
-use crate::pattern::{Attribute, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, PatternError, PointPattern};
+use crate::pattern::{
+    Attribute, MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PatternError, PointPattern, check_name,
+};
 
 /// Most columns of a table, skipped ones included.
 const MAX_COLUMNS: usize = 64;
@@ -53,6 +55,12 @@ pub(super) enum Role {
     Class,
     Attribute(String),
     Skipped,
+}
+
+/// A name that can't be one.
+pub(super) fn unfit_name(place: Place, what: &str, name: &str) -> FormatError {
+    let allowed = format!("1 to {MAX_NAME_LENGTH} characters, none of them a control character");
+    FormatError::Value { place, name: what.to_owned(), value: clip(name), allowed }
 }
 
 /// Rows, what is declared about them, and how their numbers are to be read.
@@ -188,6 +196,16 @@ impl Table {
             } else {
                 Role::Attribute(cell.strip_prefix(ATTRIBUTE_PREFIX).unwrap_or(name).to_owned())
             };
+            if let Role::Attribute(name) = &role {
+                if check_name(name).is_err() {
+                    return Err(unfit_name(first.place.cell(column), "the column's name", name));
+                }
+                let attributes = roles.iter().filter(|role| matches!(role, Role::Attribute(_))).count();
+                if attributes >= MAX_ATTRIBUTES && !roles.contains(&role) {
+                    let place = first.place.cell(column);
+                    return Err(FormatError::TooMany { place, what: "attributes", max: MAX_ATTRIBUTES });
+                }
+            }
             if role != Role::Skipped && roles.contains(&role) {
                 return Err(FormatError::DuplicateColumn { place: first.place.cell(column), name: clip(name) });
             }
@@ -320,6 +338,7 @@ impl Table {
                 None if names.len() >= MAX_CLASSES => {
                     return refuse(format!("one of the {MAX_CLASSES} classes before it; more are not allowed"));
                 }
+                None if check_name(name).is_err() => return Err(unfit_name(row.place.cell(column), "class", name)),
                 None => {
                     names.push(name.to_owned());
                     names.len() - 1

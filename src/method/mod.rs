@@ -4,6 +4,7 @@ pub mod alignment;
 pub mod bands;
 pub mod cost;
 pub mod disks;
+pub mod editions;
 pub mod filters;
 pub mod parameters;
 pub mod repair;

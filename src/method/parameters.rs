@@ -417,7 +417,8 @@ impl Parameters {
         ]
     }
 
-    /// The parameters of a preset: a 2 × 2 open output, seed 1.
+    /// The parameters of a preset: a 2 × 2 open output, seed 1. Links name presets: see [`super::editions`] before
+    /// changing one.
     #[must_use]
     pub fn preset(preset: Preset) -> Self {
         let paper = Self {
@@ -519,7 +520,7 @@ impl Parameters {
             // Radii in another unit than positions are numbers like any other.
             parameters.disk_overlap = 0.0;
         }
-        if preset == Preset::Paper || exemplar.aggregation_index().is_none_or(|index| index < LATTICE_INDEX) {
+        if preset == Preset::Paper || !Self::is_lattice(exemplar) {
             return parameters;
         }
         Self {
@@ -530,6 +531,12 @@ impl Parameters {
             learning_rate_fine: 0.02,
             ..parameters
         }
+    }
+
+    /// Whether an exemplar gets the ladder of lattices.
+    #[must_use]
+    pub fn is_lattice(exemplar: &PointPattern) -> bool {
+        exemplar.aggregation_index().is_some_and(|index| index >= LATTICE_INDEX)
     }
 
     /// A parameter's allowed value that is nearest to the one given, as it stands in files; `None` when there is no such

@@ -10,7 +10,7 @@ use thiserror::Error;
 use super::pattern_data::PatternData;
 use super::protocol::Place;
 use crate::domain::{Boundary, Domain};
-use crate::formats::link::{Link, LinkError, LinkExemplar, read_link, write_link};
+use crate::formats::link::{Link, LinkError, LinkExemplar, Written, read_link, write_link};
 use crate::formats::style::{Look, Palette};
 use crate::formats::{
     self, BlobOptions, FormatError, Glyph, GlyphError, Ink, Picture, Preview, Project, ReadOptions, Reading, SvgStyle,
@@ -224,6 +224,8 @@ pub enum FilesResponse {
         pattern: Box<PatternData>,
         /// Whether that is the one given, to the last digit.
         exact: bool,
+        /// What was rounded more than to 65535ths to keep the link short, in a sentence.
+        note: Option<String>,
     },
     /// A link was read.
     LinkRead {
@@ -486,10 +488,10 @@ fn link(exemplar: LinkExemplarView, preset: &str, overrides: Map<String, Value>)
         LinkExemplarView::Pattern(pattern) => LinkExemplar::Points((*pattern).try_into()?),
     };
     let link = Link { exemplar, preset: Preset::from_name(preset)?, overrides, notes: Vec::new() };
-    let (fragment, received) = write_link(&link)?;
+    let Written { fragment, exemplar: received, note } = write_link(&link)?;
     let exact = received == link.exemplar;
     let pattern = boxed(&pattern_of(&received)?);
-    Ok(FilesResponse::LinkWritten { fragment, pattern, exact })
+    Ok(FilesResponse::LinkWritten { fragment, pattern, exact, note })
 }
 
 fn pattern_of(exemplar: &LinkExemplar) -> Result<PointPattern, LinkError> {

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a fuzzer looks for panics")]
 
 use pointweave::PatternError;
-use pointweave::formats::link::{Link, LinkExemplar, read_link, write_link};
+use pointweave::formats::link::{Link, LinkExemplar, Written, read_link, write_link};
 use pointweave::formats::{
     BlobOptions, FormatError, Ink, Picture, Preview, ReadOptions, Reading, SvgStyle, find_blobs, open, write_csv,
     write_json, write_npy, write_svg,
@@ -20,6 +20,7 @@ fn look(bytes: &[u8], name: &str) -> Option<Reading> {
         }
         Err(error) => {
             assert!(!error.to_string().is_empty());
+            assert!(!matches!(error, FormatError::Pattern(_)), "a refusal without a place: {error}");
             if let Some((line, column)) = error.position() {
                 assert!(line > 0 && column != Some(0), "{error}");
             }
@@ -112,7 +113,7 @@ fn fragment_of(fragment: &str) {
         assert!(pattern.len() <= pointweave::pattern::MAX_POINTS);
     }
     // Whatever was read makes a link that is read as the same.
-    if let Ok((again, exemplar)) = write_link(&link) {
+    if let Ok(Written { fragment: again, exemplar, .. }) = write_link(&link) {
         let second = read_link(&again).expect("our own link");
         assert_eq!(second.exemplar, exemplar);
         assert_eq!(second.parameters(), Link { exemplar, ..link }.parameters());

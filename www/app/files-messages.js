@@ -34,7 +34,7 @@
 /** @typedef {{ type: 'blobs', pattern: PatternData, preview: Preview, threshold: number, ink: 'dark' | 'light' }} BlobsResponse */
 /** @typedef {{ type: 'written', bytes: Uint8Array, mime: string, extension: string }} WrittenResponse */
 /** @typedef {{ type: 'glyph', outline: string }} GlyphResponse */
-/** @typedef {{ type: 'link-written', fragment: string, pattern: PatternData, exact: boolean }} LinkWrittenResponse */
+/** @typedef {{ type: 'link-written', fragment: string, pattern: PatternData, exact: boolean, note: string | null }} LinkWrittenResponse */
 /**
  * @typedef {{ type: 'link-read', exemplar: LinkExemplar, preset: string, overrides: Parameters, parameters: Parameters,
  *   notes: string[], preview: Preview, cost: Cost }} LinkReadResponse

@@ -99,7 +99,8 @@ export class Files {
   }
 
   /**
-   * The fragment of a share link, without its `#`. Points in it are rounded to 1/65535 of the domain and sorted: `pattern` is what the
+   * The fragment of a share link, without its `#`. Points in it are rounded to 1/65535 of the domain (or a little more,
+   * which `note` says) and sorted: `pattern` is what the
    * receiver gets, `exact` whether that is the pattern given, so a page can go on with the very same one.
    *
    * @param {LinkExemplar} exemplar

@@ -116,7 +116,7 @@ export class Share {
       const copied = copyText(text);
       // Where there is no link there is nothing to copy: told once, below.
       copied.catch(() => {});
-      const { fragment, pattern, exact } = await written;
+      const { fragment, pattern, exact, note } = await written;
       field('link').value = await text;
       element('link-made').hidden = false;
       const done = await copied;
@@ -128,7 +128,7 @@ export class Share {
       this.#say(
         `${done ? 'Copied' : 'Copy it from above'}: ${length} characters, and nothing was sent anywhere. ` +
           (long ? 'Some programs cut links that long; a file holds the same. ' : '') +
-          (exact ? '' : 'In a link, points are rounded to 1/65535 of the pattern: the run of whoever opens it will differ in detail.'),
+          (exact ? '' : `${note ?? 'In a link, points are rounded to 1/65535 of the pattern.'} The run of whoever opens it will differ in detail.`),
         long,
       );
       element('link-round').hidden = exact;

@@ -36,6 +36,7 @@ enum LinkCommand {
 /// Print the link of an exemplar and its parameters.
 ///
 /// Points are rounded to 65535ths of the domain; attributes with more than 16 different values to 4095ths of their range.
+/// Where that makes the difference between more and less than 2000 characters, a little more, which is then said.
 #[derive(Debug, Args)]
 struct EncodeArguments {
     /// The exemplar: a file, - for standard input, or gallery:NAME
@@ -106,7 +107,11 @@ fn encode(arguments: &EncodeArguments) -> Result<(), Failure> {
         Ok(serde_json::Value::Object(fields)) => fields,
         _ => return Err(Failure::Run("the parameters can't be written".to_owned())),
     };
-    let (fragment, _) = write_link(&Link { exemplar, preset, overrides, notes: Vec::new() }).map_err(failed)?;
+    let written = write_link(&Link { exemplar, preset, overrides, notes: Vec::new() }).map_err(failed)?;
+    if let Some(note) = &written.note {
+        eprintln!("{note}");
+    }
+    let fragment = written.fragment;
     files::write_stdout(format!("{}#{fragment}\n", arguments.base.trim_end_matches('#')).as_bytes())
 }
 

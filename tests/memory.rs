@@ -1,0 +1,136 @@
+//! What hostile files and links may take of memory, whatever they hold and claim.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
+
+#[path = "common/decoders.rs"]
+mod decoders;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use pointweave::formats::link::read_link;
+use pointweave::formats::{MAX_BYTES, ReadOptions, open};
+
+static NOW: AtomicUsize = AtomicUsize::new(0);
+static PEAK: AtomicUsize = AtomicUsize::new(0);
+
+struct Counting;
+
+#[expect(unsafe_code, reason = "an allocator that counts has to pass on to the system's")]
+// SAFETY: every call is passed on unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let now = NOW.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        PEAK.fetch_max(now, Ordering::Relaxed);
+        // SAFETY: the caller's promise is the system allocator's.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        NOW.fetch_sub(layout.size(), Ordering::Relaxed);
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// What the largest file may take: a browser gives a page several times as much.
+const MOST: usize = 400_000_000;
+
+/// Most bytes in use at once while something runs, beyond those before it.
+fn peak(run: impl FnOnce()) -> usize {
+    let before = NOW.load(Ordering::Relaxed);
+    PEAK.store(before, Ordering::Relaxed);
+    run();
+    PEAK.load(Ordering::Relaxed) - before
+}
+
+/// Repeated up to a length that a file may just have.
+fn filled(start: &str, piece: &str, end: &str, length: usize) -> Vec<u8> {
+    let count = (length - start.len() - end.len()) / piece.len();
+    [start, &piece.repeat(count), end].concat().into_bytes()
+}
+
+fn npy(shape: &str) -> Vec<u8> {
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+    let length = (header.len() as u16).to_le_bytes();
+    [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &[0; 64]].concat()
+}
+
+/// A PNG that claims to be this large and holds nothing.
+fn png(width: u32, height: u32) -> Vec<u8> {
+    let chunk = |kind: &[u8], data: &[u8]| {
+        let body = [kind, data].concat();
+        let mut crc = u32::MAX;
+        for &byte in &body {
+            crc ^= u32::from(byte);
+            for _ in 0..8 {
+                crc = crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
+            }
+        }
+        [&(data.len() as u32).to_be_bytes()[..], &body, &(!crc).to_be_bytes()].concat()
+    };
+    let header = [&width.to_be_bytes()[..], &height.to_be_bytes(), &[8, 6, 0, 0, 0]].concat();
+    let data = miniz_oxide::deflate::compress_to_vec_zlib(&[0; 1000], 9);
+    [b"\x89PNG\r\n\x1a\n", &chunk(b"IHDR", &header)[..], &chunk(b"IDAT", &data), &chunk(b"IEND", &[])].concat()
+}
+
+#[test]
+fn no_file_and_no_link_takes_more_than_its_share() {
+    let long = MAX_BYTES;
+    for (name, bytes) in [
+        ("commas", filled("", ",", "", 9_000)),
+        ("rows", filled("x,y\n", "1,2\n", "", long)),
+        ("columns", filled("", "1 ", "", 9_000)),
+        ("blank rows", filled("", "\n", "", long)),
+        ("quotes", filled("x,y\n\"", "\n", "", long)),
+        ("lists", filled("[", "[],", "0]", long)),
+        ("numbers", filled("[", "0,", "0]", long)),
+        ("nested lists", filled("", "[", "", long)),
+        ("points", filled("[", "[0,1],", "[0,1]]", long)),
+        ("objects", filled("[", "{\"x\":1},", "{}]", long)),
+        ("positions", filled("{\"positions\":[", "[0,1],", "[0,1]]}", long)),
+        ("features", filled("{\"type\":\"FeatureCollection\",\"features\":[", "{\"\":{}},", "0]}", long)),
+        // As many as are looked at, of the dearest kinds.
+        ("most lists", filled("[", "[],", "0]", 8_999_000)),
+        ("most points", filled("[", "[0,1],", "[0,1]]", 8_999_000)),
+        ("most positions", filled("{\"positions\":[", "[0,1],", "[0,1]]}", 8_999_000)),
+        ("most objects", filled("[", "{\"x\":1},", "{}]", 1_590_000)),
+        ("most features", filled("{\"type\":\"FeatureCollection\",\"features\":[", "{\"\":{}},", "0]}", 790_000)),
+        ("elements", filled("<svg>", "<g/>", "</svg>", long)),
+        ("circles", filled("<svg>", "<circle r='1'/>", "</svg>", long)),
+        ("texts", filled("<svg>", "a<a/>", "</svg>", long)),
+        ("attributes", filled("<svg>", "<g a='' b='' c='' d=''/>", "</svg>", long)),
+        ("rules", filled("<svg><style>", ".a{r:1}", "</style></svg>", long)),
+        ("selectors", filled("<svg><style>", ".a,", "b{r:1}</style></svg>", long)),
+        ("comments", filled("<svg><style>", "/**/", "</style></svg>", long)),
+    ] {
+        let used = peak(|| drop(open(&bytes, None, &ReadOptions::default())));
+        println!("{name:<16}{:>10} bytes{used:>12} of memory", bytes.len());
+        assert!(used <= MOST, "{name}: {used} bytes of memory for {}", bytes.len());
+    }
+    // What claims to be large and is not.
+    for (name, bytes) in [
+        ("NumPy rows", npy("(18446744073709551615, 2)")),
+        ("NumPy columns", npy("(1, 4611686018427387904)")),
+        ("PNG sides", png(u32::MAX >> 1, u32::MAX >> 1)),
+        ("PNG width", png(u32::MAX >> 1, 1)),
+    ] {
+        let used = peak(|| drop(open(&bytes, None, &ReadOptions::default())));
+        println!("{name:<16}{:>10} bytes{used:>12} of memory", bytes.len());
+        assert!(used < 1_000_000, "{name}: {used} bytes of memory");
+    }
+    // The longest link, of what deflate makes the most of.
+    let zeros = miniz_oxide::deflate::compress_to_vec(&vec![0; 20_000_000], 9);
+    for (name, points) in
+        [("zeros", decoders::base64url(&zeros[..24_000.min(zeros.len())])), ("letters", "A".repeat(32_000))]
+    {
+        let fragment = format!("v=1&points={points}");
+        let used = peak(|| drop(read_link(&fragment)));
+        println!("{name:<16}{:>10} bytes{used:>12} of memory", fragment.len());
+        assert!(used < 2_000_000, "{name}: {used} bytes of memory");
+    }
+    let million = peak(|| drop(std::hint::black_box(vec![1_u8; 1_000_000])));
+    assert!(million >= 1_000_000, "what is counted is counted");
+}
