@@ -1,6 +1,7 @@
 // @ts-check
 /** The playground: wires the controls, the worker and the canvases together. */
 import { areThings, drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { Compare } from './compare.js';
 import { Engine } from './engine.js';
 import { Files, LARGEST_FILE } from './files.js';
 import { Look } from './look.js';
@@ -8,6 +9,7 @@ import { LossChart } from './loss-chart.js';
 import { Run } from './run.js';
 import { Stage } from './stage.js';
 import { Statistics } from './statistics.js';
+import { Touch } from './touch.js';
 import { duration, points, times } from './words.js';
 import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
 
@@ -56,6 +58,8 @@ const stage = new Stage(look);
 const engine = new Engine(link, { announce, checks: (checks) => void (run.shares = checks) });
 const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain });
 
+const touch = new Touch(stage, run, announce);
+const compare = new Compare(stage, link, announce);
 const statistics = new Statistics(link, { status: () => run.status, announce });
 
 /** @type {Chosen} */
@@ -153,6 +157,8 @@ function onStarted(started) {
   chart.keep(started.progress.totalIterations);
   look.show(started.exemplar);
   stage.show(started.exemplar, started.output);
+  touch.started();
+  compare.started(started.parameters, chosen.source);
   const { exemplar, output } = started;
   const outputCount = output.points.classes.length;
   element('exemplar-title').textContent = chosen.title;
@@ -182,6 +188,7 @@ function onBatch(batch) {
   if (batch.engine) engine.change(batch.engine, batch.note);
   if (batch.points) {
     stage.move(batch.points);
+    touch.changed();
     statistics.moved();
   }
   showProgress(batch.iterationsPerSecond, batch.secondsLeft);
@@ -194,12 +201,12 @@ function onBatch(batch) {
  */
 function showProgress(iterationsPerSecond, secondsLeft) {
   if (!progress) return;
-  const { class: klass, turn, classes, scale, scales, restart, restarts, iteration, iterations } = progress;
+  const { class: klass, turn, classes, scale, scales, restart, restarts, redoing, iteration, iterations } = progress;
   const { totalIterations, done } = progress;
   const finished = run.status === 'finished';
   const playing = run.status === 'playing';
   const part = classes > 1 ? `Class ${turn + 1} of ${classes} (${classNames[klass] ?? ''}) · ` : '';
-  const again = restart > 0 ? ` · Mending the worst, ${restart} of ${restarts}` : '';
+  const again = redoing ? ' · Redoing a region' : restart > 0 ? ` · Mending the worst, ${restart} of ${restarts}` : '';
   element('fact-scale').textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}${again}`;
   element('fact-iteration').textContent = `Iteration ${totalIterations}`;
   engine.speed = playing ? iterationsPerSecond : null;
@@ -238,7 +245,12 @@ function onStatus(status) {
     does === 'pause' ? 'Pause' : does === 'again' ? 'Run again' : continues ? 'Continue' : 'Run';
   element('step').toggleAttribute('disabled', status === 'finished' || status === 'stopped' || status === 'empty');
   if (status !== 'playing') showProgress(null, null);
-  if (status === 'finished') announce('Finished.');
+  if (status === 'finished') {
+    announce('Finished.');
+    compare.finished();
+  }
+  // What is still playing goes on by itself.
+  element('go-on').toggleAttribute('disabled', status !== 'finished' && status !== 'paused');
   document.body.dataset.status = status;
   statistics.turned();
 }
@@ -299,37 +311,45 @@ function readSeed() {
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let settling;
 
-/** Starts a run with the settings as they are. @param {boolean} play */
-function begin(play) {
+/** Whether a change of settings keeps the points. */
+const keepsPoints = /** @type {HTMLInputElement} */ (element('keep-points'));
+
+/**
+ * Starts a run with the settings as they are.
+ *
+ * @param {boolean} play
+ * @param {boolean} [onward] from the points as they are
+ */
+function begin(play, onward = false) {
   clearTimeout(settling);
   const seed = readSeed();
   if (seed === null) {
     complain(`the seed must be a whole number between 0 and ${LARGEST_SEED}`);
     return Promise.resolve(false);
   }
-  return run.start(
-    {
-      source: chosen.source,
-      preset: radio('preset') ?? 'fast',
-      overrides: {
-        'expansion-x': Number(slideX.value),
-        'expansion-y': Number(slideY.value),
-        ...(knowsBoundary && { boundary: radio('boundary') ?? 'open' }),
-        seed,
-        ...replaced,
-      },
+  const plan = {
+    source: chosen.source,
+    preset: radio('preset') ?? 'fast',
+    overrides: {
+      'expansion-x': Number(slideX.value),
+      'expansion-y': Number(slideY.value),
+      ...(knowsBoundary && { boundary: radio('boundary') ?? 'open' }),
+      seed,
+      ...replaced,
     },
-    play,
-  );
+  };
+  return onward ? run.continueWith(plan) : run.start(plan, play);
 }
 
-function beginSoon() {
+/** @param {boolean} [onward] whether the points may be kept */
+function beginSoon(onward = true) {
   clearTimeout(settling);
   settling = setTimeout(() => {
     unnotify();
-    void begin(true);
+    void begin(true, onward && keepsPoints.checked && run.status !== 'empty' && run.status !== 'stopped');
   }, SETTLE_MS);
 }
+element('go-on').addEventListener('click', () => void begin(true, true));
 
 function showSliders() {
   element('expansion-x-value').textContent = times(Number(slideX.value));
@@ -469,7 +489,7 @@ function exemplarCard(choice, value, pattern) {
 function choose(choice, boundary) {
   chosen = choice;
   setBoundary(boundary);
-  beginSoon();
+  beginSoon(false);
 }
 
 /** @param {GalleryEntryView[]} entries */
@@ -641,6 +661,10 @@ Object.assign(window, {
     },
     get engine() {
       return engine.view;
+    },
+    /** Which points are pinned, in the order of `positions`. */
+    get pinned() {
+      return Array.from(stage.pinned);
     },
     /** The glyph and colour of every class of the exemplar, and what is chosen for files. */
     get look() {

@@ -117,6 +117,84 @@ export class Run {
     return this.#plan ? this.start(this.#plan, true) : Promise.resolve(false);
   }
 
+  /**
+   * Goes on with other settings from the points as they are. If it is refused, the run stays as it is.
+   *
+   * @param {Plan} plan
+   */
+  async continueWith(plan) {
+    const epoch = this.#epoch;
+    this.#loop = null;
+    const playing = this.#status === 'playing';
+    try {
+      const { preset, overrides } = plan;
+      const started = await this.#link.ask({ type: 'continue', preset, overrides });
+      if (epoch !== this.#epoch) return false;
+      this.#epoch++;
+      this.#plan = plan;
+      this.#adopt(started, true);
+      return true;
+    } catch (error) {
+      if (epoch !== this.#epoch) return false;
+      if (error instanceof Refused && playing) this.#become('paused');
+      this.#fail(error);
+      return false;
+    }
+  }
+
+  /**
+   * Puts a hand on the result. A region to be done again sets a run going that was done.
+   *
+   * @param {import('./messages.js').TouchRequest | import('./messages.js').ResynthesizeRequest} request
+   * @returns {Promise<boolean>} whether it was done
+   */
+  async touch(request) {
+    const epoch = this.#epoch;
+    try {
+      const batch = await this.#link.ask(request);
+      if (epoch !== this.#epoch) return false;
+      if (this.#status === 'finished' && !batch.finished) this.#become('paused');
+      this.#hooks.batch(batch);
+      void this.#save();
+      if (request.type === 'resynthesize') this.play();
+      return true;
+    } catch (error) {
+      // The run goes on as it was.
+      if (error instanceof Refused) this.#hooks.refused(error.message);
+      else if (!(error instanceof WorkerDied)) throw error;
+      return false;
+    }
+  }
+
+  /** The state as it is now, for {@link restore}; null when there is none. */
+  async snapshot() {
+    try {
+      return (await this.#link.ask({ type: 'save' })).state;
+    } catch (error) {
+      if (error instanceof Refused || error instanceof WorkerDied) return null;
+      throw error;
+    }
+  }
+
+  /**
+   * Back to a state as it was, paused.
+   *
+   * @param {string} state
+   */
+  async restore(state) {
+    const epoch = ++this.#epoch;
+    this.#loop = null;
+    try {
+      const started = await this.#link.ask({ type: 'resume', state });
+      if (epoch !== this.#epoch) return false;
+      this.#adopt(started, false);
+      return true;
+    } catch (error) {
+      if (epoch === this.#epoch) this.#fail(error);
+      return false;
+    }
+  }
+
   /** Continues from the last saved state, in a new worker if the old one died. */
   async recover() {
     const saved = this.#saved;

@@ -36,6 +36,14 @@ export class Stage {
   #frame = 0;
   #lastFrame = 0;
 
+  /** The result kept for comparison. @type {PatternView | null} */
+  #kept = null;
+  #keptCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('kept-canvas'));
+  /** A point in a hand, and where that is. @type {{ index: number, place: [number, number] } | null} */
+  #held = null;
+  /** Draws over the result. @type {(context: CanvasRenderingContext2D) => void} */
+  overlay = () => {};
+
   #look;
 
   /** @param {import('./look.js').Look} look */
@@ -54,6 +62,117 @@ export class Stage {
   /** Where the points are, in exemplar units. */
   get positions() {
     return this.#output?.points.positions ?? new Float32Array();
+  }
+
+  /** Which of the points are pinned. */
+  get pinned() {
+    return this.#output?.points.pinned ?? new Uint16Array();
+  }
+
+  /** Whether a place on the canvas is one place in the pattern. */
+  get touchable() {
+    return this.#output !== null && !(this.#tiles && this.#output.boundary === 'periodic');
+  }
+
+  /** Pixels an exemplar unit. */
+  get scale() {
+    return this.#scale;
+  }
+
+  /** The exemplar's mean spacing in exemplar units. */
+  get spacing() {
+    return this.#exemplar?.spacing ?? 0.05;
+  }
+
+  /** Radius of a mark in pixels. */
+  get radius() {
+    return markRadius(this.spacing, this.#scale);
+  }
+
+  /**
+   * Where a point of the window lies, in exemplar units.
+   *
+   * @param {number} clientX
+   * @param {number} clientY
+   * @returns {[number, number]}
+   */
+  place(clientX, clientY) {
+    const { left, top } = this.#outputCanvas.getBoundingClientRect();
+    return [(clientX - left - MARGIN) / this.#scale, (clientY - top - MARGIN) / this.#scale];
+  }
+
+  /** @param {[number, number]} place @returns {[number, number]} where it is drawn */
+  toCanvas([x, y]) {
+    return [MARGIN + x * this.#scale, MARGIN + y * this.#scale];
+  }
+
+  /** @param {number} index */
+  drawnAt(index) {
+    return this.toCanvas([this.#drawn[2 * index], this.#drawn[2 * index + 1]]);
+  }
+
+  /**
+   * The nearest place in the output: on the border, or in a tile where it comes in again.
+   *
+   * @param {[number, number]} place
+   * @returns {[number, number]}
+   */
+  inside(place) {
+    if (!this.#output) return place;
+    const { size, boundary } = this.#output;
+    const [x, y] = place.map((value, axis) =>
+      boundary === 'periodic' ? value - size[axis] * Math.floor(value / size[axis]) : Math.min(Math.max(value, 0), size[axis]),
+    );
+    return [x, y];
+  }
+
+  /**
+   * The point drawn nearest to a place, within `reach` pixels; −1 where there is none.
+   *
+   * @param {[number, number]} place
+   * @param {number} reach
+   */
+  pointAt([x, y], reach) {
+    let [best, least] = [-1, (reach / this.#scale) ** 2];
+    for (let i = 0; i < this.#drawn.length / 2; i++) {
+      const distance = (this.#drawn[2 * i] - x) ** 2 + (this.#drawn[2 * i + 1] - y) ** 2;
+      if (distance <= least) [best, least] = [i, distance];
+    }
+    return best;
+  }
+
+  nearestToMiddle() {
+    const [width, height] = this.#output?.size ?? [0, 0];
+    return this.pointAt([width / 2, height / 2], Number.POSITIVE_INFINITY);
+  }
+
+  /**
+   * Draws a point where a hand is until it is let go of.
+   *
+   * @param {number} index negative: none
+   * @param {[number, number]} place
+   */
+  hold(index, place = [0, 0]) {
+    this.#held = index < 0 ? null : { index, place };
+    this.#animate();
+  }
+
+  redraw() {
+    this.#animate();
+  }
+
+  /** Keeps the result as it is now, to be seen beside the next. */
+  keep() {
+    if (!this.#output) return;
+    const { points } = this.#output;
+    this.#kept = { ...this.#output, points: { ...points, positions: points.positions.slice() } };
+    this.#layout();
+  }
+
+  unkeep() {
+    if (!this.#kept) return;
+    this.#kept = null;
+    this.#layout();
   }
 
   /**
@@ -91,26 +210,30 @@ export class Stage {
     const { clientWidth: width, clientHeight: height } = this.#figures;
     const [exemplarWidth, exemplarHeight] = this.#exemplar.size;
     const [outputWidth, outputHeight] = this.#output.size;
-    const stacked = width < STACK_BELOW;
+    const [keptWidth, keptHeight] = this.#kept?.size ?? [0, 0];
+    // Three beside each other need more room than two.
+    const stacked = width < (this.#kept ? 1.5 : 1) * STACK_BELOW;
     this.#figures.dataset.shape = stacked ? 'stacked' : 'beside';
     let scale;
     if (stacked) {
-      scale = (width - 2 * MARGIN) / Math.max(outputWidth, exemplarWidth);
+      scale = (width - 2 * MARGIN) / Math.max(outputWidth, exemplarWidth, keptWidth);
       scale = Math.min(scale, (window.innerHeight * 0.8) / outputHeight);
     } else {
       const gap = Number.parseFloat(getComputedStyle(this.#figures).columnGap) || 0;
-      const free = width - gap - 4 * MARGIN;
-      scale = free / (exemplarWidth + outputWidth);
-      if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / outputWidth;
+      const free = width - gap - 4 * MARGIN - (this.#kept ? gap + 2 * MARGIN : 0);
+      scale = free / (exemplarWidth + outputWidth + keptWidth);
+      if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / (outputWidth + keptWidth);
       const head = 30;
       const room = this.#fits.matches ? Math.max(height, 300) : 0.8 * window.innerHeight;
-      scale = Math.min(scale, (room - head - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight));
+      const below = this.#outputCanvas.parentElement?.querySelector('.touch-bar')?.clientHeight ?? 0;
+      scale = Math.min(scale, (room - head - below - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight, keptHeight));
     }
     this.#scale = Math.max(scale, 8);
     const captionWidth = Math.max(this.#scale * exemplarWidth + 2 * MARGIN, CAPTION_WIDTH);
     const figure = /** @type {HTMLElement} */ (this.#exemplarCanvas.parentElement);
     figure.style.width = stacked ? '' : `${captionWidth}px`;
     this.#drawExemplar();
+    this.#drawKept();
     this.#drawOutput();
   }
 
@@ -139,6 +262,16 @@ export class Stage {
       styles,
       wrap: this.#wrap(this.#exemplar),
     });
+  }
+
+  #drawKept() {
+    if (!this.#kept || !this.#exemplar) return;
+    const { context } = this.#size(this.#keptCanvas, this.#kept);
+    const styles = this.#look.styles(this.#exemplar, this.#colours);
+    const { points } = this.#kept;
+    const radius = markRadius(this.#exemplar.spacing, this.#scale, areThings(points, styles));
+    const wrap = this.#wrap(this.#kept);
+    drawPoints(context, this.#colours, points, { left: MARGIN, top: MARGIN, scale: this.#scale, radius, styles, wrap });
   }
 
   /**
@@ -179,6 +312,7 @@ export class Stage {
       context.strokeStyle = this.#colours.lineStrong;
       context.strokeRect(MARGIN + tileWidth, MARGIN + tileHeight, tileWidth, tileHeight);
     }
+    this.overlay(context);
   }
 
   /**
@@ -234,6 +368,10 @@ export class Stage {
     const close = 0.05 / this.#scale;
     let arrived = true;
     for (let i = 0; i < target.length; i++) {
+      if (this.#held?.index === i >> 1) {
+        this.#drawn[i] = this.#held.place[i % 2];
+        continue;
+      }
       const side = this.#output.size[i % 2];
       let way = target[i] - this.#drawn[i];
       // On a torus the short way may lead across the border.
