@@ -51,7 +51,7 @@ impl Purpose {
             Self::Attributes(class) => (4 << 56) | u64::from(class),
             Self::Analysis(pattern) => (6 << 56) | u64::from(pattern),
             Self::Restart { class, restart } => (7 << 56) | (u64::from(class) << 32) | u64::from(restart),
-            Self::Region { class, redo } => (8 << 56) | (u64::from(class) << 32) | u64::from(redo),
+            Self::Region { class, redo } => (9 << 56) | (u64::from(class) << 32) | u64::from(redo),
             Self::Jitter { class, scale, iteration } => {
                 (5 << 56) | (u64::from(class & 0xff) << 48) | (u64::from(scale) << 32) | u64::from(iteration)
             }
