@@ -375,6 +375,14 @@ impl PointPattern {
         &self.attributes
     }
 
+    /// Radii of the disks that the points stand for: the attribute `radius`, if there is one, divided by a unit of
+    /// length. Nothing but finite numbers, but perhaps negative ones.
+    #[must_use]
+    pub fn radii_in(&self, unit: f64) -> Option<Vec<f64>> {
+        let radius = self.attributes.iter().find(|attribute| attribute.name.trim().eq_ignore_ascii_case("radius"))?;
+        Some(radius.values.iter().map(|value| value / unit).collect())
+    }
+
     /// Positions in exemplar units, relative to the domain's lower corner: the longer side is 1.
     #[must_use]
     pub fn positions_in_exemplar_units(&self) -> Vec<DVec2> {

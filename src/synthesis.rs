@@ -13,7 +13,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::analysis::{AnalysisError, Cloud};
+use crate::analysis::{AnalysisError, Cloud, check_radii};
 use crate::engine::cpu::adam::Adam;
 use crate::engine::cpu::network::Network;
 use crate::engine::cpu::{CpuEngine, Float};
@@ -21,10 +21,12 @@ use crate::engine::gpu::{Gpu, GpuEngine, GpuNetwork};
 use crate::engine::view::Stage;
 use crate::engine::{Advance, Engine, ScaleSetup};
 use crate::method::alignment::{align, mend};
+use crate::method::disks::{Disks, Overlaps, movable, separate};
 use crate::method::parameters::Start;
-use crate::method::repair::{Limits, keep_apart, relocate};
+use crate::method::repair::{Limits, keep_apart, least_distance, relocate};
 use crate::method::restart::{shake, wrongness};
 use crate::method::schedule::converged;
+use crate::method::values::{Exchange, Values};
 use crate::method::{ParameterError, Parameters, Schedule, Weights, bands};
 use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
 use crate::sampling::{Purpose, Rng, poisson_disk, white_noise};
@@ -130,6 +132,9 @@ pub enum SynthesisError {
     /// The exemplar, or what would come out, is not a valid pattern.
     #[error(transparent)]
     Pattern(#[from] PatternError),
+    /// A radius of the exemplar is none.
+    #[error("the exemplar's disks can't be used: {0}")]
+    Disks(#[from] AnalysisError),
     /// The exemplar has too little structure to learn from.
     #[error("the exemplar can't be used: {0}")]
     Exemplar(&'static str),
@@ -191,6 +196,8 @@ pub struct Synthesis {
     redos: u32,
     /// The engine's points as indices into `points`.
     arranged: Vec<usize>,
+    /// Radii of the exemplar's disks in exemplar units, where they are to overlap as they do there.
+    radii: Option<Vec<f64>>,
     /// Where each started class begins in `points`, in the order of placing.
     class_starts: Vec<usize>,
     /// How many classes were placed before the one at hand.
@@ -305,7 +312,9 @@ impl Synthesis {
         for (point, &class) in exemplar.classes().iter().enumerate() {
             members[usize::from(class)].push(point);
         }
+        let radii = if parameters.disk_overlap > 0.0 { disk_radii(&exemplar)? } else { None };
         let run = Self {
+            radii,
             schedule: Schedule::new(&parameters, spacing, density(&exemplar), output_size),
             positions,
             members,
@@ -339,6 +348,12 @@ impl Synthesis {
         let total: usize = run.order.iter().map(|&class| run.output_count(class)).sum();
         if total > MAX_POINTS {
             return Err(PatternError::TooMany { what: "points in the output", count: total, max: MAX_POINTS }.into());
+        }
+        let largest = run.radii.iter().flatten().copied().fold(0.0, f64::max);
+        if !movable(total, density(&run.exemplar), largest) {
+            return Err(SynthesisError::Exemplar(
+                "every disk overlaps hundreds of others; check the unit of the radii, or set 'disk-overlap' to 0",
+            ));
         }
         run.check_memory(memory_limit)?;
         Ok(run)
@@ -708,20 +723,23 @@ impl Synthesis {
     /// Puts right what the losses hardly see, where the exemplar says that it is wrong: the moving points' places, and
     /// whose values they carry. Nothing computes meanwhile; the next scale starts from what it leaves.
     fn repair(&mut self) {
-        let Parameters { spacing_floor, relocation, alignment, boundary, .. } = self.parameters;
+        let Parameters { spacing_floor, relocation, alignment, disk_overlap, value_swaps, boundary, .. } =
+            self.parameters;
         let alignment = if self.scale + 1 == self.schedule.scales.len() { alignment } else { 0 };
-        if (spacing_floor == 0.0 && relocation == 0.0 && alignment == 0) || self.moving() == 0 {
+        let by_places = spacing_floor > 0.0 || relocation > 0.0 || alignment > 0;
+        if (!by_places && value_swaps == 0 && self.radii.is_none()) || self.moving() == 0 {
             return;
         }
         let Ok(exemplar) = self.exemplar_so_far() else { return };
         let Some(limits) = Limits::of(&exemplar) else { return };
         let (arranged, first) = self.arrangement();
         let mut points: Vec<DVec2> = arranged.iter().map(|&point| self.points[point]).collect();
+        let mut sources: Vec<usize> = arranged.iter().map(|&point| self.sources[point]).collect();
         let most = (relocation * (points.len() - first) as f64).ceil() as usize;
         let relocate = |points: &mut [DVec2]| relocate(points, first, self.output_size, boundary, limits, most);
         relocate(&mut points);
         if alignment > 0 {
-            let classes = self.output_classes(&arranged);
+            let classes = self.classes_of(&sources);
             for _ in 0..ALIGNMENTS {
                 let before = points.clone();
                 align(&mut points, &classes, first, self.output_size, boundary, &exemplar, alignment);
@@ -732,12 +750,41 @@ impl Synthesis {
                 }
             }
         }
-        if spacing_floor > 0.0 {
-            keep_apart(&mut points, first, self.output_size, boundary, limits, spacing_floor);
+        if value_swaps > 0 {
+            self.exchange_values(&exemplar, &points, &mut sources, first, value_swaps);
         }
-        for (&point, place) in arranged.iter().zip(points) {
+        let least = least_distance(limits, spacing_floor, self.output_size, points.len());
+        if let Some(radii) = &self.radii {
+            // The class that moves has the highest number.
+            let turns: Vec<u16> = self.exemplar.classes().iter().map(|&class| self.turn_of(class)).collect();
+            let Ok(all) = Cloud::of(&self.exemplar).with_classes(turns.clone()) else { return };
+            let overlaps = Overlaps::of(&all, radii, self.turn as u16, disk_overlap);
+            let disks = Disks { radii, classes: &turns };
+            let domain = (self.output_size, boundary);
+            separate(&mut points, &mut sources, first, domain, disks, &overlaps, least);
+        } else if least > 0.0 {
+            keep_apart(&mut points, first, self.output_size, boundary, least);
+        }
+        for ((point, place), source) in arranged.into_iter().zip(points).zip(sources) {
             self.points[point] = place;
+            self.sources[point] = source;
         }
+    }
+
+    /// When a class is placed, from 0.
+    fn turn_of(&self, class: u16) -> u16 {
+        self.order.iter().position(|&other| other == usize::from(class)).unwrap_or(0) as u16
+    }
+
+    /// Brings the values of the points of `first …` to where they fit; `exemplar` is [`Self::exemplar_so_far`].
+    fn exchange_values(&self, exemplar: &Cloud, points: &[DVec2], sources: &mut [usize], first: usize, sweeps: u32) {
+        let class = self.class() as u16;
+        let Some(values) = Values::of(&self.exemplar, class) else { return };
+        let Ok(output) = Cloud::new(points.to_vec(), self.output_size, self.parameters.boundary) else { return };
+        let Ok(output) = output.with_classes(self.classes_of(sources)) else { return };
+        let mut rng = Rng::new(self.parameters.seed, Purpose::Exchange { class, scale: self.scale as u16 });
+        let exchange = Exchange::new(&values, (exemplar, &self.seen()), &output, first);
+        exchange.run(sources, sweeps, &mut rng);
     }
 
     /// The exemplar's points of the class at hand and those before it.
@@ -749,9 +796,9 @@ impl Synthesis {
         Cloud::new(positions, size, self.exemplar.boundary())?.with_classes(classes)
     }
 
-    /// Class of each of these points.
-    fn output_classes(&self, points: &[usize]) -> Vec<u16> {
-        points.iter().map(|&point| self.exemplar.classes()[self.sources[point]]).collect()
+    /// Class of the points that carry these exemplar points' values.
+    fn classes_of(&self, sources: &[usize]) -> Vec<u16> {
+        sources.iter().map(|&source| self.exemplar.classes()[source]).collect()
     }
 
     /// Keeps the better of this try and the best before, and prepares another one if that is wanted and worth it.
@@ -808,7 +855,8 @@ impl Synthesis {
     /// These points of the output.
     fn output_so_far(&self, points: &[usize]) -> Result<Cloud, AnalysisError> {
         let places = points.iter().map(|&point| self.points[point]).collect();
-        Cloud::new(places, self.output_size, self.parameters.boundary)?.with_classes(self.output_classes(points))
+        let sources: Vec<usize> = points.iter().map(|&point| self.sources[point]).collect();
+        Cloud::new(places, self.output_size, self.parameters.boundary)?.with_classes(self.classes_of(&sources))
     }
 
     fn end_scale(&mut self) -> Event {
@@ -1093,6 +1141,13 @@ impl Synthesis {
     pub fn boundary(&self) -> Boundary {
         self.parameters.boundary
     }
+}
+
+/// Radii of a pattern's disks in exemplar units: those of its attribute `radius`, if it has one.
+fn disk_radii(exemplar: &PointPattern) -> Result<Option<Vec<f64>>, AnalysisError> {
+    let Some(radii) = exemplar.radii_in(exemplar.domain().exemplar_unit()) else { return Ok(None) };
+    check_radii(&Cloud::of(exemplar), &radii)?;
+    Ok(Some(radii))
 }
 
 /// Points per unit area, in exemplar units.

@@ -11,13 +11,15 @@ use pointweave::{Attribute, Boundary, Domain, PointPattern};
 
 const GENEROUS: u64 = 4_000_000_000;
 
-/// Three classes that have points and one without, of 4, 12 and 8 points and mean radii 1, 2 and 4; two attributes.
+/// Three classes that have points and one without, of 4, 12 and 8 points and mean radii 0.01, 0.02 and 0.04; two attributes.
 fn thicket() -> PointPattern {
     let positions = white_noise(&mut Rng::new(4, Purpose::Gallery), DVec2::ONE, 24);
     let classes: Vec<u16> = (0..24).map(|i| if i < 4 { 0 } else { 1 + 2 * u16::from(i < 12) }).collect();
     let names = ["shrub", "tree", "none", "stone"].map(str::to_owned).to_vec();
-    let radius =
-        classes.iter().zip(0..).map(|(class, i)| [1.0, 2.0, 0.0, 4.0][usize::from(*class)] + 0.01 * f64::from(i));
+    let radius = classes
+        .iter()
+        .zip(0..)
+        .map(|(class, i)| 0.01 * [1.0, 2.0, 0.0, 4.0][usize::from(*class)] + 1e-4 * f64::from(i));
     PointPattern::new(Domain::UNIT, positions)
         .unwrap()
         .with_attribute(Attribute { name: "radius".into(), values: radius.collect() })
@@ -41,6 +43,9 @@ fn small(class_order: ClassOrder, class_maps: ClassMaps) -> Parameters {
         iterations_coarse: 3,
         iterations_fine: 2,
         iterations_polish: 0,
+        // Values stay where they are put.
+        value_swaps: 0,
+        disk_overlap: 0.0,
         class_order,
         class_maps,
         ..Parameters::preset(Preset::Fast)

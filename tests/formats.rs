@@ -278,9 +278,9 @@ fn limits() {
     assert_eq!(good(&sixteen).class_names().len(), 16);
     refused(&format!("{sixteen}0 0 c16"), &["line 17, column 3", "\"c16\"", "16 classes"]);
     let declared: String = (0..17).map(|i| format!("c{i},")).collect();
-    refused(&format!("# classes: {declared}d\n0 0 d"), &["18 classes", "at most 16"]);
+    refused(&format!("# classes: {declared}d\n0 0 d"), &["line 1, column 17", "more than 16 classes"]);
     let announced: String = (1..=17).map(|i| format!(" {i}000")).collect();
-    refused(&format!("17{announced}\n1000 5 5"), &["17 classes", "at most 16"]);
+    refused(&format!("17{announced}\n1000 5 5"), &["line 1, column 18", "more than 16 classes"]);
     let wide = |count: usize| {
         let names: String = (0..count).map(|i| format!(",a{i}")).collect();
         format!("x,y{names}\n0,0{}", ",1".repeat(count))

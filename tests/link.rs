@@ -187,7 +187,7 @@ fn defaults_and_refusals() {
         ("v=2", "version \"2\""),
         ("exemplar=rings", "version"),
         ("v=1&exemplar=nope", "\"nope\""),
-        ("v=1&preset=best", "\"best\""),
+        ("v=1&preset=good", "\"good\""),
         ("v=1&points=", "inflated"),
         ("v=1&points=Zm9v!", "base64url"),
         ("v=1&points=Zm9v", "inflated"),

@@ -84,6 +84,24 @@ pub enum AnalysisError {
         /// The class index.
         class: u16,
     },
+    /// One radius a point is needed.
+    #[error("there are {count} radii for {points} points; one a point is needed")]
+    Radii {
+        /// How many radii there are.
+        count: usize,
+        /// How many points there are.
+        points: usize,
+    },
+    /// A radius that no disk of the pattern can have.
+    #[error("the disk of point {index} has a radius of {value} exemplar units, but it must lie between 0 and {max}")]
+    Radius {
+        /// Which point, from 0.
+        index: usize,
+        /// Its radius, in the cloud's unit.
+        value: f64,
+        /// Largest allowed radius: half of the longer side.
+        max: f64,
+    },
     /// A number of the settings that can't be used.
     #[error("'{name}' is {value}, but must lie between {min} and {max}")]
     Setting {

@@ -13,6 +13,7 @@
 //! | `spectrum` | periodogram, radial mean | Bartlett 1964, Ulichney 1988 |
 //! | `ripley` | K, L, envelopes of chance | Ripley 1976, Besag 1977 |
 //! | `spacing` | ρ, stacked points, holes, crowded borders | Lagae & Dutré 2008 |
+//! | `overlap` | areas that disks share, relative penetration | |
 //! | `transport` | Chamfer, Wasserstein, the paper's patches | Huang et al. 2022 |
 //! | `neighbourhoods` | neighbourhoods found again: precision, coverage | |
 //! | `quality` | one number: 0 is chance, 1 the exemplar tiled | |
@@ -27,6 +28,7 @@ mod marks;
 mod nearest;
 mod neighbourhoods;
 mod neighbours;
+mod overlap;
 mod pair_correlation;
 mod pair_density;
 mod quality;
@@ -48,6 +50,7 @@ pub use marks::{
 pub use nearest::{Histogram, NEIGHBOURS, NearestDistances, Summary, nearest_distances};
 pub use neighbourhoods::{NEIGHBOURHOOD, NeighbourhoodMatch, Neighbourhoods};
 pub use neighbours::{Neighbour, Neighbours};
+pub use overlap::{ClassOverlap, OverlapStatistics, check_radii, lens_area};
 pub use pair_correlation::{
     CrossCorrelation, PairCorrelation, PairCorrelationSettings, class_pair_correlations, cross_pair_correlation,
     densest_distance, pair_correlation,

@@ -172,7 +172,7 @@ pub fn class_pair_correlations(
     let open = cloud.boundary() == crate::Boundary::Open;
     let curve = |(place, sums): (usize, Option<Sums>)| {
         let (a, b) = (place / count, place % count);
-        let others = if a == b && open { sizes[b] - 1 } else { sizes[b] };
+        let others = if a == b && open { sizes[b].saturating_sub(1) } else { sizes[b] };
         let correlation = sums?.finish(sizes[a] as f64 * others as f64 / (cloud.area() * cloud.area()));
         Some(CrossCorrelation { a: a as u16, b: b as u16, correlation })
     };

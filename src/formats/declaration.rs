@@ -9,8 +9,9 @@
 
 use glam::DVec2;
 
-use super::error::{FormatError, clip};
+use super::error::{FormatError, Place, clip};
 use crate::domain::{Boundary, Domain};
+use crate::pattern::MAX_CLASSES;
 
 /// What the comments and the format declare.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +39,10 @@ impl Declared {
             let list = rest.1.strip_prefix(' ').unwrap_or(rest.1);
             let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(list.as_bytes());
             if let Some(Ok(record)) = reader.records().next() {
+                if record.len() > MAX_CLASSES {
+                    let place = Place::Line { line, column: MAX_CLASSES + 1 };
+                    return Err(FormatError::TooMany { place, what: "classes", max: MAX_CLASSES });
+                }
                 self.classes = record.iter().map(str::to_owned).collect();
             }
         }

@@ -105,7 +105,7 @@ pub enum FormatError {
     TooMany {
         /// Where the cap was passed.
         place: Place,
-        /// Points or columns.
+        /// Points, columns or classes.
         what: &'static str,
         /// How many are allowed.
         max: usize,

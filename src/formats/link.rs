@@ -56,7 +56,7 @@ const MAX_LISTED: usize = 16;
 const VERSION: &str = "1";
 const DEFAULT_EXEMPLAR: &str = "rings";
 /// The parameters that are words.
-const CHOICES: [&str; 3] = ["boundary", "start", "learning-rate-unit"];
+const CHOICES: [&str; 5] = ["boundary", "start", "learning-rate-unit", "class-order", "class-maps"];
 
 /// Why a link was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -77,7 +77,7 @@ pub enum LinkError {
     #[error("the link names the exemplar {0:?}, which is not in the gallery")]
     Exemplar(String),
     /// A word that is no preset.
-    #[error("the link names the preset {0:?}; there are fast, balanced and paper")]
+    #[error("the link names the preset {0:?}; there are fast, balanced, best and paper")]
     Preset(String),
     /// The rectangle can't be read.
     #[error("the link's domain is {0:?}, but must be x0,y0,x1,y1")]
@@ -396,8 +396,7 @@ fn packed(pattern: &PointPattern) -> Vec<Vec<u8>> {
             rest.push(values.iter().map(|value| place(value) as u8).collect());
             continue;
         }
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let (low, high) = attribute.range();
         head.push(1);
         head.extend_from_slice(&low.to_le_bytes());
         head.extend_from_slice(&high.to_le_bytes());

@@ -69,7 +69,7 @@ impl Preview {
         Self {
             points: pattern.len(),
             classes: classes.map(|(name, count)| ClassPreview { name: name.clone(), count }).collect(),
-            attributes: pattern.attributes().iter().map(range).collect(),
+            attributes: pattern.attributes().iter().map(range_of).collect(),
             domain: [min.x, min.y, max.x, max.y],
             is_domain_declared: true,
             boundary: pattern.boundary(),
@@ -79,12 +79,9 @@ impl Preview {
     }
 }
 
-fn range(attribute: &Attribute) -> AttributePreview {
-    AttributePreview {
-        name: attribute.name.clone(),
-        min: attribute.values.iter().copied().fold(f64::INFINITY, f64::min),
-        max: attribute.values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-    }
+fn range_of(attribute: &Attribute) -> AttributePreview {
+    let (min, max) = attribute.range();
+    AttributePreview { name: attribute.name.clone(), min, max }
 }
 
 /// Few points, and points on top of each other: both are allowed, and seldom meant.

@@ -24,10 +24,15 @@ pub(super) fn read(text: &str) -> Option<Result<Table, FormatError>> {
             .filter(|(_, cells)| !cells.is_empty())
     };
     let mut ahead = lines();
-    let (_, first) = ahead.next()?;
+    let (line, first) = ahead.next()?;
     if let Some(ids) = announced(&first) {
         let (_, row) = ahead.next()?;
         if row.len() >= 3 && ids.contains(&row[0]) {
+            if ids.len() > MAX_CLASSES {
+                // The announced number comes before the ids.
+                let place = RowPlace::Line(line).cell(MAX_CLASSES + 1);
+                return Some(Err(FormatError::TooMany { place, what: "classes", max: MAX_CLASSES }));
+            }
             return Some(table(lines().skip(1), &ids));
         }
     }

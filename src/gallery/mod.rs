@@ -8,6 +8,7 @@
 //! ever; a better picture is a new entry.
 
 mod dashes;
+mod disks;
 mod figures;
 mod lattices;
 mod radial;
@@ -268,5 +269,26 @@ static ENTRIES: &[Entry] = &[
         caption: "Four classes with scale and depth: what is near is larger and stands in front.",
         seed: 1,
         generate: things::meadow,
+    },
+    Entry {
+        name: "graded-disks",
+        title: "Graded disks",
+        caption: "Sizes swell and shrink from left to right: a value that depends on its place.",
+        seed: 1,
+        generate: disks::graded,
+    },
+    Entry {
+        name: "packed-disks",
+        title: "Packed disks",
+        caption: "A few large disks, many small ones in the gaps, none overlapping: places must suit sizes.",
+        seed: 1,
+        generate: disks::packed,
+    },
+    Entry {
+        name: "necklaces",
+        title: "Necklaces",
+        caption: "Rings of beads, each a tenth in its two neighbours, and no other overlap.",
+        seed: 1,
+        generate: disks::necklaces,
     },
 ];

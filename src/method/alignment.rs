@@ -31,16 +31,31 @@ const MENDED: usize = 32;
 /// Most pairs of neighbourhoods that all rounds together compare, about half a second of work.
 const MAX_PAIRS: usize = 6_000_000;
 
+/// What an exemplar's neighbourhoods are like, and how alike.
+struct Reference {
+    /// Mean spacing, the unit of all distances here.
+    spacing: f64,
+    wanted: Neighbourhoods,
+    /// How far each is from the most similar other one.
+    usual: Vec<f32>,
+}
+
+impl Reference {
+    fn of(exemplar: &Cloud) -> Option<Self> {
+        let spacing = exemplar.mean_spacing()?;
+        let wanted = Neighbourhoods::of(exemplar, spacing).ok()?;
+        let usual = (0..exemplar.len()).map(|index| wanted.match_within(index)).collect();
+        Some(Self { spacing, wanted, usual })
+    }
+}
+
 /// How much less each point's neighbourhood is like its best match in the exemplar than that one is like another of the
 /// exemplar's own, in mean spacings; 0 for those that match as well, and for those that a window's border cuts off.
 #[must_use]
 pub fn misfits(output: &Cloud, exemplar: &Cloud) -> Vec<f64> {
     let none = || vec![0.0; output.len()];
-    let Some(spacing) = exemplar.mean_spacing() else { return none() };
-    let (Ok(wanted), Ok(own)) = (Neighbourhoods::of(exemplar, spacing), Neighbourhoods::of(output, spacing)) else {
-        return none();
-    };
-    let usual: Vec<f32> = (0..exemplar.len()).map(|index| wanted.match_within(index)).collect();
+    let Some(Reference { spacing, wanted, usual }) = Reference::of(exemplar) else { return none() };
+    let Ok(own) = Neighbourhoods::of(output, spacing) else { return none() };
     (0..output.len())
         .map(|index| {
             own.best_match(index, &wanted, 0).map_or(0.0, |(best, distance)| (distance - usual[best]).max(0.0).into())
@@ -59,9 +74,7 @@ pub fn align(
     exemplar: &Cloud,
     rounds: u32,
 ) -> u32 {
-    let Some(spacing) = exemplar.mean_spacing() else { return 0 };
-    let Ok(wanted) = Neighbourhoods::of(exemplar, spacing) else { return 0 };
-    let usual: Vec<f32> = (0..exemplar.len()).map(|index| wanted.match_within(index)).collect();
+    let Some(Reference { spacing, wanted, usual }) = Reference::of(exemplar) else { return 0 };
     let affordable = MAX_PAIRS / (points.len() * exemplar.len()).max(1);
     let rounds = rounds.min(affordable as u32);
     // What a point looked like most in the round before, which it will hardly be less like than anything else now.
@@ -124,21 +137,16 @@ pub fn align(
 /// Puts points back to where they were `before` an alignment, round every hole that it tore: one larger than the
 /// exemplar's and larger than any before. Where a point is missing its neighbours only draw apart from the gap.
 pub fn mend(points: &mut [DVec2], before: &[DVec2], size: DVec2, boundary: Boundary, limits: Limits) {
-    let hole_in =
-        |points: &[DVec2]| Cloud::new(points.to_vec(), size, boundary).map(|cloud| largest_empty_circle(&cloud));
-    let Ok(old) = hole_in(before) else { return };
-    let largest = old.radius.max(HOLE * limits.hole);
+    let cloud_of = |points: &[DVec2]| Cloud::new(points.to_vec(), size, boundary);
+    let Ok(old) = cloud_of(before) else { return };
+    let largest = largest_empty_circle(&old).radius.max(HOLE * limits.hole);
     for _ in 0..MENDED {
-        let Ok(hole) = hole_in(points) else { return };
+        let Ok(cloud) = cloud_of(points) else { return };
+        let hole = largest_empty_circle(&cloud);
         if hole.radius <= largest {
             return;
         }
-        let Ok(cloud) = Cloud::new(points.to_vec(), size, boundary) else { return };
-        let mut rim = Vec::new();
-        cloud.neighbours().within(hole.center.into(), RIM * hole.radius, |point| rim.push(point.index));
-        for index in rim {
-            points[index] = before[index];
-        }
+        cloud.neighbours().within(hole.center.into(), RIM * hole.radius, |rim| points[rim.index] = before[rim.index]);
     }
 }
 

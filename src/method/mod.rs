@@ -3,11 +3,13 @@
 pub mod alignment;
 pub mod bands;
 pub mod cost;
+pub mod disks;
 pub mod filters;
 pub mod parameters;
 pub mod repair;
 pub mod restart;
 pub mod schedule;
+pub mod values;
 
 pub use bands::{Bands, Weights};
 pub use cost::Cost;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use thiserror::Error;
 
+use crate::analysis::{Cloud, check_radii};
 use crate::domain::Boundary;
 use crate::pattern::{Meaning, PointPattern};
 use crate::sorting;
@@ -254,6 +255,12 @@ pub struct Parameters {
     /// How often the regions that came out worst are shaken and go through the finer half of the ladder again; what does
     /// not become better is undone.
     pub restarts: u32,
+    /// After each scale disks (points with an attribute `radius`) are moved until they overlap as the exemplar's do, by
+    /// this share of what they lack; 0 leaves them, as the paper.
+    pub disk_overlap: f64,
+    /// After each scale points exchange their attribute values up to this many times over, so that neighbours fit as in
+    /// the exemplar; 0 leaves them where chance put them, as the paper.
+    pub value_swaps: u32,
     /// A scale may stop early only after this many iterations; also the window of the convergence test.
     pub convergence_window: u32,
     /// A scale stops when the last window brought less than this share of its whole decrease.
@@ -303,7 +310,7 @@ impl Range {
 
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
-    pub const RANGES: [Range; 29] = [
+    pub const RANGES: [Range; 31] = [
         real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
         real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
         whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
@@ -356,6 +363,18 @@ impl Parameters {
         real("relocation", 0.0, 0.5, "Share of points that may go from crowds into holes after each scale."),
         whole("alignment", 0.0, 1000.0, "Rounds in which nearly right neighbourhoods are made right at the end."),
         whole("restarts", 0.0, 100.0, "How often the regions that came out worst get another try."),
+        real(
+            "disk-overlap",
+            0.0,
+            1.0,
+            "Share of the exemplar's distances that disks keep where they must not overlap more; 0 is off.",
+        ),
+        whole(
+            "value-swaps",
+            0.0,
+            100.0,
+            "Sweeps of exchanges that bring values to where they fit; 0 leaves it to chance.",
+        ),
         whole("convergence-window", 10.0, 5000.0, "Iterations a scale runs at least, and looks back over."),
         real("convergence-tolerance", 0.0, 1.0, "A scale ends when its last window brought less than this share."),
     ];
@@ -390,6 +409,8 @@ impl Parameters {
             self.relocation,
             self.alignment.into(),
             self.restarts.into(),
+            self.disk_overlap,
+            self.value_swaps.into(),
             self.convergence_window.into(),
             self.convergence_tolerance,
         ]
@@ -431,6 +452,8 @@ impl Parameters {
             relocation: 0.0,
             alignment: 0,
             restarts: 0,
+            disk_overlap: 0.0,
+            value_swaps: 0,
             convergence_window: 100,
             convergence_tolerance: 0.01,
         };
@@ -458,6 +481,7 @@ impl Parameters {
                 ..Self::preset(Preset::Fast)
             },
             Preset::Fast => Self {
+                class_maps: ClassMaps::Separate,
                 margin_sigmas: 2.0,
                 channels: 32,
                 sigma_coarse_cells: 1.16,
@@ -475,6 +499,8 @@ impl Parameters {
                 spacing_floor: 1.0,
                 relocation: 0.1,
                 alignment: 20,
+                disk_overlap: 1.0,
+                value_swaps: 12,
                 ..paper
             },
         }
@@ -484,7 +510,14 @@ impl Parameters {
     /// the scales of other patterns, get a fine and narrow ladder. The Paper preset only takes the boundary.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
-        let parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
+        let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
+        if exemplar
+            .radii_in(exemplar.domain().exemplar_unit())
+            .is_some_and(|radii| check_radii(&Cloud::of(exemplar), &radii).is_err())
+        {
+            // Radii in another unit than positions are numbers like any other.
+            parameters.disk_overlap = 0.0;
+        }
         if preset == Preset::Paper || exemplar.aggregation_index().is_none_or(|index| index < LATTICE_INDEX) {
             return parameters;
         }
@@ -510,6 +543,8 @@ impl Parameters {
             "boundary" => &["open", "periodic"],
             "start" => &["poisson-disk", "white-noise"],
             "learning-rate-unit" => &["output-side", "sigma"],
+            "class-order" => &["file", "largest-first", "most-first"],
+            "class-maps" => &["pooled", "separate", "each"],
             _ => return None,
         };
         choices.iter().find(|choice| value.as_str() == Some(choice)).map(|&choice| Value::from(choice))

@@ -20,6 +20,10 @@ pub(super) const HOLE: f64 = 1.15;
 const WIDEST: f64 = 0.76;
 /// Rounds of pushing apart at most; each halves the largest overlap or so.
 const ROUNDS: usize = 100;
+/// A little more distance than asked for, or the last overlaps would only be halved for ever.
+const SLACK: f64 = 1.002;
+/// Pairs that are farther apart than asked for are left so within this.
+const LOOSE: f64 = 1.01;
 
 /// What an exemplar never exceeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,25 +87,77 @@ pub fn relocate(
     most
 }
 
-/// Pushes the points of `first …` apart until none is nearer to another than `share` of the exemplar's smallest
-/// distance, or as near to that as a bounded number of rounds comes.
-pub fn keep_apart(points: &mut [DVec2], first: usize, size: DVec2, boundary: Boundary, limits: Limits, share: f64) {
+/// The distance that `count` points keep at least: `share` of the exemplar's smallest, or less before they jam.
+#[must_use]
+pub fn least_distance(limits: Limits, share: f64, size: DVec2, count: usize) -> f64 {
     // Twice the radius of discs in the densest packing of as many.
-    let packed = 2.0 * (size.x * size.y / (2.0 * 3.0_f64.sqrt() * points.len() as f64)).sqrt();
-    let distance = (share * limits.distance).min(WIDEST * packed);
-    // A little more than asked for, or the last overlaps would only be halved for ever.
-    let wanted = 1.002 * distance;
-    for _ in 0..ROUNDS {
-        let Ok(cloud) = Cloud::new(points.to_vec(), size, boundary) else { return };
+    let packed = 2.0 * (size.x * size.y / (2.0 * 3.0_f64.sqrt() * count as f64)).sqrt();
+    (share * limits.distance).min(WIDEST * packed)
+}
+
+/// Pushes the points of `first …` apart until none is nearer to another than `distance`, or as near to that as a
+/// bounded number of rounds comes.
+pub fn keep_apart(points: &mut [DVec2], first: usize, size: DVec2, boundary: Boundary, distance: f64) {
+    settle(points, first, size, boundary, SLACK * distance, &|contacts| {
+        contacts.iter_mut().for_each(|contact| contact.least = distance);
+    });
+}
+
+/// Two points near one another, and the distances they may have.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Contact {
+    /// Which points.
+    pub(super) pair: [usize; 2],
+    /// From the first to the second.
+    offset: DVec2,
+    /// How far they are from each other.
+    pub(super) length: f64,
+    /// How far they should be at least.
+    pub(super) least: f64,
+    /// How far they should be at most.
+    pub(super) most: f64,
+}
+
+/// The pairs within `reach` that have a point of `first …`, each with any distance allowed. A point and its own image
+/// are left out: they can't be parted.
+pub(super) fn contacts(cloud: &Cloud, first: usize, reach: f64) -> Vec<Contact> {
+    let mut found = Vec::new();
+    cloud.neighbours().pairs(reach, |i, j, offset| {
+        if i != j && i.max(j) >= first {
+            found.push(Contact { pair: [i, j], offset, length: offset.length(), least: 0.0, most: f64::INFINITY });
+        }
+    });
+    found
+}
+
+/// Moves the points of `first …` until all pairs within `reach` have the distances that `demand` gives them, or a
+/// bounded number of rounds is over, the second half of which only parts what is too close; says whether nothing is in
+/// the end.
+pub(super) fn settle(
+    points: &mut [DVec2],
+    first: usize,
+    size: DVec2,
+    boundary: Boundary,
+    reach: f64,
+    demand: &dyn Fn(&mut [Contact]),
+) -> bool {
+    let mut parted = false;
+    for round in 0..ROUNDS {
+        let Ok(cloud) = Cloud::new(points.to_vec(), size, boundary) else { return false };
+        let mut contacts = contacts(&cloud, first, reach);
+        demand(&mut contacts);
         let mut push = vec![DVec2::ZERO; points.len()];
-        let mut any = false;
-        cloud.neighbours().pairs(wanted, |i, j, offset| {
-            // A point and its own image can't be parted.
-            if i == j || i.max(j) < first {
-                return;
-            }
-            let length = offset.length();
-            any |= length < distance;
+        let (mut close, mut loose) = (false, false);
+        for Contact { pair: [i, j], offset, length, least, most } in contacts {
+            let wanted = if length < SLACK * least {
+                close |= length < least;
+                SLACK * least
+            } else if length > SLACK * SLACK * most && round < ROUNDS / 2 {
+                loose |= length > LOOSE * most;
+                most
+            } else {
+                continue;
+            };
             let direction = if length > 1e-12 {
                 offset / length
             } else {
@@ -117,14 +173,16 @@ pub fn keep_apart(points: &mut [DVec2], first: usize, size: DVec2, boundary: Bou
             if j >= first {
                 push[j] += step;
             }
-        });
-        if !any {
-            return;
         }
+        if !(close || loose) {
+            return true;
+        }
+        parted = !close;
         for (point, push) in points.iter_mut().zip(&push).skip(first) {
             *point = crate::domain::keep_inside(*point + *push, size, boundary);
         }
     }
+    parted
 }
 
 #[cfg(test)]
@@ -172,7 +230,9 @@ mod tests {
             };
             assert_eq!(distance(&points), 0.0);
             let limits = Limits { distance: 0.05, hole: 1.0 };
-            keep_apart(&mut points, 0, DVec2::ONE, boundary, limits, 1.0);
+            let least = least_distance(limits, 1.0, DVec2::ONE, points.len());
+            assert_eq!(least, 0.05);
+            keep_apart(&mut points, 0, DVec2::ONE, boundary, least);
             assert!(distance(&points) >= 0.05 - 1e-12, "{boundary:?}: {}", distance(&points));
             assert!(points.iter().all(|p| p.cmpge(DVec2::ZERO).all() && p.cmple(DVec2::ONE).all()));
         }

@@ -22,6 +22,13 @@ pub enum Purpose {
     },
     /// The assignment of attribute values to the points of a class.
     Attributes(u16),
+    /// The exchange of attribute values between the points of a class, after a scale.
+    Exchange {
+        /// Class, from 0.
+        class: u16,
+        /// Scale, from 0.
+        scale: u16,
+    },
     /// A gallery exemplar.
     Gallery,
     /// One of the random patterns that statistics are compared with.
@@ -51,6 +58,7 @@ impl Purpose {
             Self::Attributes(class) => (4 << 56) | u64::from(class),
             Self::Analysis(pattern) => (6 << 56) | u64::from(pattern),
             Self::Restart { class, restart } => (7 << 56) | (u64::from(class) << 32) | u64::from(restart),
+            Self::Exchange { class, scale } => (8 << 56) | (u64::from(class) << 16) | u64::from(scale),
             Self::Region { class, redo } => (9 << 56) | (u64::from(class) << 32) | u64::from(redo),
             Self::Jitter { class, scale, iteration } => {
                 (5 << 56) | (u64::from(class & 0xff) << 48) | (u64::from(scale) << 32) | u64::from(iteration)

@@ -14,15 +14,16 @@ export const DIST = process.env.POINTWEAVE_DIST ?? fileURLToPath(new URL('../../
 /** How long a test waits for one thing; machines are slow and busy. */
 export const PATIENCE = 60_000;
 
-/** @param {{ webgpu?: boolean }} [options] */
-export async function launch({ webgpu = false } = {}) {
+/** @param {Parameters<typeof openChromium>[0] & { folder?: string }} [options] `folder`: another page than the built one */
+export async function launch({ folder = DIST, ...options } = {}) {
   assert.ok(existsSync(join(DIST, 'index.html')), `there is no built page in ${DIST}: run \`cargo xtask build\` first`);
-  const server = await serve(DIST);
-  const { context, close } = await openChromium({ webgpu });
+  const server = await serve(folder);
+  const { context, close } = await openChromium(options);
   context.setDefaultTimeout(PATIENCE);
   return {
     context,
     url: server.url,
+    stopServer: server.close,
     async close() {
       await close();
       await server.close();
@@ -38,11 +39,12 @@ export async function launch({ webgpu = false } = {}) {
  *
  * @param {Browser} browser
  * @param {{ query?: string, viewport?: { width: number, height: number }, expectErrors?: boolean,
- *   media?: Parameters<Page['emulateMedia']>[0], prelude?: string }} options `prelude` is put before the worker's script
+ *   allows?: string, media?: Parameters<Page['emulateMedia']>[0], prelude?: string }} options `allows` is another origin that may be
+ *   asked, `prelude` is put before the worker's script
  * @param {(page: Page) => Promise<void>} body
  */
 export async function withPage(browser, options, body) {
-  const { query = '', viewport = { width: 1440, height: 900 }, expectErrors, media, prelude } = options;
+  const { query = '', viewport = { width: 1440, height: 900 }, expectErrors, allows, media, prelude } = options;
   const page = await browser.context.newPage();
   /** @type {string[]} */
   const complaints = [];
@@ -51,14 +53,16 @@ export async function withPage(browser, options, body) {
     if (/content security policy/i.test(message.text())) complaints.push(`policy: ${message.text()}`);
   });
   page.on('pageerror', (error) => complaints.push(`exception: ${error.message}`));
-  page.on('requestfailed', (request) => complaints.push(`failed: ${request.url()} ${request.failure()?.errorText}`));
+  page.on('requestfailed', (request) => {
+    if (new URL(request.url()).origin !== allows) complaints.push(`failed: ${request.url()} ${request.failure()?.errorText}`);
+  });
   page.on('response', (response) => {
     if (response.status() >= 400) complaints.push(`status ${response.status()}: ${response.url()}`);
   });
   page.on('request', (request) => {
     const { origin, protocol } = new URL(request.url());
     const own = origin === new URL(browser.url).origin;
-    if (!own && protocol !== 'blob:' && protocol !== 'data:') complaints.push(`third party: ${request.url()}`);
+    if (!own && origin !== allows && protocol !== 'blob:' && protocol !== 'data:') complaints.push(`third party: ${request.url()}`);
   });
   try {
     if (media) await page.emulateMedia(media);
@@ -81,7 +85,7 @@ export async function withPage(browser, options, body) {
  * One member of the page's debug object.
  *
  * @param {Page} page
- * @param {'status' | 'progress' | 'parameters' | 'positions' | 'losses' | 'savedIterations' | 'engine' | 'statistics' | 'look'} member
+ * @param {'status' | 'progress' | 'parameters' | 'positions' | 'drawing' | 'losses' | 'savedIterations' | 'engine' | 'statistics' | 'look'} member
  * @returns {Promise<any>}
  */
 export const peek = (page, member) =>
@@ -187,6 +191,12 @@ export async function drop(page, name, text) {
   await page.dispatchEvent('body', 'dragover', { dataTransfer: transfer });
   assert.ok(await page.getByText('Drop to use these points').isVisible(), 'the page says that it takes the file');
   await page.dispatchEvent('body', 'drop', { dataTransfer: transfer });
+}
+
+/** Uses what the import's dialog shows. @param {Page} page */
+export async function useIt(page) {
+  await page.getByRole('button', { name: 'Use these points' }).click();
+  await page.getByRole('dialog').waitFor({ state: 'hidden' });
 }
 
 /** How far the points are from where they were, at most. @param {number[]} a @param {number[]} b */

@@ -7,8 +7,11 @@ import { chromium } from 'playwright-core';
 
 const CHROMIUM = process.env.POINTWEAVE_CHROMIUM ?? '/usr/bin/chromium';
 
-/** @param {{ webgpu?: boolean }} [options] */
-export async function openChromium({ webgpu = false } = {}) {
+/**
+ * @param {{ webgpu?: boolean, serviceWorkers?: 'allow' | 'block' }} [options] service workers are blocked unless a test
+ *   is about them: what they answer can't be watched or replaced
+ */
+export async function openChromium({ webgpu = false, serviceWorkers = 'block' } = {}) {
   const profile = await mkdtemp(join(tmpdir(), 'pointweave-browser-'));
   const forget = () => rm(profile, { recursive: true, force: true });
   try {
@@ -16,6 +19,7 @@ export async function openChromium({ webgpu = false } = {}) {
       executablePath: CHROMIUM,
       headless: false,
       acceptDownloads: true,
+      serviceWorkers,
       args: [
         '--headless=new',
         '--no-sandbox',

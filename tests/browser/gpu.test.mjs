@@ -9,7 +9,7 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
-import { csvRows, downloadText, drop, farthest, iterations, launch, pause, peek, settled, status, withPage } from './browser.mjs';
+import { csvRows, downloadText, drop, farthest, iterations, launch, pause, peek, settled, status, useIt, withPage } from './browser.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -17,6 +17,8 @@ import { csvRows, downloadText, drop, farthest, iterations, launch, pause, peek,
 const LATTICE = ['x,y', ...Array.from({ length: 16 }, (_, i) => `${((i % 4) + 0.5) / 4},${(Math.floor(i / 4) + 0.5) / 4}`)].join('\n');
 /** About two million operations an iteration. */
 const TINY = 'test=1&with=channels:8,grid-min:16,grid-max:16';
+/** The same without an end in sight, for runs that are to be paused. */
+const ENDLESS = `${TINY},iterations-coarse:5000,convergence-window:5000`;
 /** The check takes 5 s alone, 8 s beside a run, on an idle machine. */
 const CHECKED = 120_000;
 
@@ -41,7 +43,7 @@ const pageTest = (name, options, body) =>
   );
 
 /** @param {Page} page @param {'Auto' | 'GPU' | 'CPU'} name */
-const engineSwitch = (page, name) => page.getByRole('radio', { name, exact: true });
+const engineSwitch = (page, name) => page.getByRole('group', { name: 'Engine' }).getByRole('radio', { name, exact: true });
 
 /** @param {Page} page @param {boolean} gpu */
 const computesOn = (page, gpu) =>
@@ -64,6 +66,7 @@ async function noted(page, words) {
 async function latticeAtStart(page, gpu) {
   await iterations(page, 1);
   await drop(page, 'lattice.csv', LATTICE);
+  await useIt(page);
   await page.waitForFunction(() => document.getElementById('exemplar-title')?.textContent === 'lattice.csv');
   await computesOn(page, gpu);
   await reset(page);
@@ -117,7 +120,7 @@ describe('a browser whose WebGPU is emulated', () => {
     assert.equal(await note(page).innerText(), '', 'what was dismissed is not said again');
   });
 
-  pageTest('passes the check of every stage, and gives the same losses as the processor', { query: `?engine=gpu&${TINY}` }, async (page) => {
+  pageTest('passes the check of every stage, and gives the same losses as the processor', { query: `?engine=gpu&${ENDLESS}` }, async (page) => {
     await iterations(page, 1);
     await status(page, 'playing');
     await pause(page);

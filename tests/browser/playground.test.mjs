@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
-import { csvRows, downloadText, drop, farthest, iterations, launch, parameter, pause, peek, settled, status, withPage } from './browser.mjs';
+import { csvRows, downloadText, drop, farthest, iterations, launch, parameter, pause, peek, settled, status, useIt, withPage } from './browser.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -174,9 +174,11 @@ describe('the playground', () => {
     await parameter(page, 'seed', 4);
     assert.equal((await peek(page, 'parameters')).boundary, 'periodic');
     await drop(page, 'window.csv', square.join('\n'));
+    await useIt(page);
     await parameter(page, 'boundary', 'open');
     assert.ok(await boundary(page, 'Open').isChecked());
     await drop(page, 'tile.csv', ['# domain 0 0 1 1 periodic', ...square].join('\n'));
+    await useIt(page);
     await parameter(page, 'boundary', 'periodic');
     assert.ok(await boundary(page, 'Periodic').isChecked());
     assert.ok(await page.getByLabel('Show 3 × 3 tiles').isVisible());
@@ -185,6 +187,7 @@ describe('the playground', () => {
   pageTest('reads a dropped file and uses it', {}, async (page) => {
     await iterations(page, 1);
     await drop(page, 'lattice.csv', square.join('\n'));
+    await useIt(page);
     await page.waitForFunction(() => document.getElementById('exemplar-title')?.textContent === 'lattice.csv');
     assert.equal(await page.locator('#exemplar-count').innerText(), '49 points');
     await status(page, 'playing');
@@ -199,18 +202,17 @@ describe('the playground', () => {
     const broken = [...square];
     broken[3] = '0.5,oops';
     await page.locator('#file').setInputFiles({ name: 'broken.csv', mimeType: 'text/csv', buffer: Buffer.from(broken.join('\n')) });
-    const notice = page.locator('.notice');
-    await notice.waitFor();
-    const words = await notice.innerText();
-    assert.match(words, /broken\.csv/);
+    const dialog = page.getByRole('dialog', { name: 'broken.csv' });
+    await dialog.getByRole('alert').waitFor();
+    const words = await dialog.getByRole('alert').innerText();
     assert.match(words, /line 4/i);
     assert.match(words, /column 2/i);
     assert.match(words, /oops/);
     assert.notEqual(await page.locator('#exemplar-title').innerText(), 'broken.csv');
     const { totalIterations } = await peek(page, 'progress');
     await iterations(page, totalIterations + 2);
-    await page.getByRole('button', { name: 'Dismiss' }).click();
-    assert.equal(await notice.count(), 0);
+    await dialog.getByRole('button', { name: 'Close' }).last().click();
+    assert.ok(await dialog.isHidden());
   });
 
   pageTest('refuses a seed that is none', {}, async (page) => {
@@ -335,7 +337,12 @@ describe('a worker that dies', () => {
       await page.getByRole('button', { name: `Continue from iteration ${saved}` }).click();
       await status(page, 'playing');
       await iterations(page, saved + 2);
-      assert.equal((await peek(page, 'losses')).length, (await peek(page, 'progress')).totalIterations);
+      // In one look: the run goes on meanwhile.
+      const [losses, total] = await page.evaluate(() => {
+        const { losses: list, progress } = /** @type {any} */ (window).pointweave;
+        return [list.length, progress.totalIterations];
+      });
+      assert.equal(losses, total);
       assert.equal(await notice.count(), 0);
     });
   }

@@ -23,6 +23,8 @@ after(() => browser?.close());
 const thingsTest = (name, title, options, body) =>
   test(name, { timeout: 240_000 }, () =>
     withPage(browser, options, async (page) => {
+      // Once everything has come, so that the reload cuts nothing off.
+      await iterations(page, 1);
       await page.evaluate(() => localStorage.removeItem('pointweave.look'));
       await page.reload();
       await choose(page, title);
@@ -97,11 +99,13 @@ describe('patterns of things', () => {
     assert.match(svg, /d="M0 -1\.6L0\.44 -0\.61/, 'a star in the file');
     assert.ok(svg.includes('#d55e00'));
 
-    await page.getByText('Soft', { exact: true }).click();
+    await page.getByLabel('Soft').check();
     assert.ok((await downloadText(page, 'Download SVG')).text.includes('#ee6677'));
     assert.ok((await painted(page, '#exemplar-canvas', HOUSES)).count > 60, 'the canvas has the new colour');
     await page.reload();
-    await choose(page, 'Houses among trees');
+    // A reload keeps the exemplar, and a paused run stays paused.
+    await page.waitForFunction(() => document.getElementById('exemplar-title')?.textContent === 'Houses among trees');
+    await page.waitForFunction(() => /** @type {any} */ (window).pointweave?.look.palette === 'bright');
     assert.deepEqual(await peek(page, 'look'), { glyphs: { house: 'star' }, palette: 'bright' });
     assert.ok(await page.getByLabel('Soft').isChecked());
   });

@@ -51,8 +51,10 @@ test('golden links are read as natively', () => {
     if (gallery) assert.deepEqual(link.exemplar, { gallery }, name);
     else assert.deepEqual(Array.from(link.exemplar.pattern.positions), exemplar.positions.flat(), name);
     const again = answer({ type: 'write-link', exemplar: link.exemplar, preset, overrides });
-    assert.equal(again.fragment, fragment, name);
     assert.equal(again.exact, true, name);
+    // What a preset has taken over since is no longer written, and means the same.
+    const back = answer({ type: 'read-link', fragment: again.fragment });
+    assert.deepEqual([back.parameters, back.exemplar], [link.parameters, link.exemplar], name);
   }
 });
 

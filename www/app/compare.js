@@ -1,5 +1,8 @@
 // @ts-check
-/** The result kept as A beside the one at hand, B: what differs between their parameters, and how good each is. */
+/**
+ * The result kept as A beside the one at hand, B, or in its place: what differs between their parameters, and how good
+ * each is.
+ */
 import { Refused, WorkerDied } from './worker-link.js';
 
 /** @typedef {import('./messages.js').Parameters} Parameters */
@@ -13,7 +16,8 @@ const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id))
 export class Compare {
   #stage;
   #link;
-  #announce;
+  #hooks;
+  #letters = element('letters');
   /** @type {Parameters | null} */
   #kept = null;
   /** @type {Parameters | null} */
@@ -24,14 +28,27 @@ export class Compare {
   /**
    * @param {import('./stage.js').Stage} stage
    * @param {import('./worker-link.js').WorkerLink} link
-   * @param {(text: string) => void} announce
+   * @param {{ announce: (text: string) => void, turned: () => void }} hooks `turned`: from one result to the other
    */
-  constructor(stage, link, announce) {
+  constructor(stage, link, hooks) {
     this.#stage = stage;
     this.#link = link;
-    this.#announce = announce;
+    this.#hooks = hooks;
     element('keep-a').addEventListener('click', () => void this.#keep());
     element('drop-a').addEventListener('click', () => this.#drop());
+    this.#letters.addEventListener('change', (event) => {
+      const showsA = /** @type {HTMLInputElement} */ (event.target).value === 'a';
+      this.#turn(showsA);
+      this.#hooks.announce(showsA ? 'This is A, as it was kept.' : 'This is B, the result at hand.');
+    });
+  }
+
+  /** @param {boolean} showsA whether the result kept is shown, in the place of the one at hand */
+  #turn(showsA) {
+    for (const letter of this.#letters.querySelectorAll('input')) letter.checked = (letter.value === 'a') === showsA;
+    if (this.#stage.showsKept === showsA) return;
+    this.#stage.showsKept = showsA;
+    this.#hooks.turned();
   }
 
   /**
@@ -42,6 +59,7 @@ export class Compare {
    */
   started(parameters, source) {
     if (this.#source !== source) this.#drop();
+    this.#turn(false);
     this.#source = source;
     this.#present = parameters;
     element('quality-b').textContent = '';
@@ -56,20 +74,22 @@ export class Compare {
   async #keep() {
     if (!this.#present) return;
     this.#kept = this.#present;
+    this.#turn(false);
     this.#stage.keep();
     element('kept').hidden = false;
-    element('result-letter').hidden = false;
+    this.#letters.hidden = false;
     element('quality-b').textContent = '';
     this.#describe();
-    this.#announce('Kept as A. Change a setting: the next result is B.');
+    this.#hooks.announce('Kept as A. Change a setting: the next result is B.');
     await this.#judge('quality-a', 'A');
   }
 
   #drop() {
     this.#kept = null;
+    this.#turn(false);
     this.#stage.unkeep();
     element('kept').hidden = true;
-    element('result-letter').hidden = true;
+    this.#letters.hidden = true;
     element('quality-a').textContent = element('quality-b').textContent = '';
   }
 

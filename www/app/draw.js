@@ -11,10 +11,11 @@ export function readColours() {
   const get = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
   return {
     point: get('--point'),
-    card: get('--card'),
     line: get('--line'),
     lineStrong: get('--line-strong'),
     soft: get('--soft'),
+    card: get('--card'),
+    accent: get('--accent'),
     gram: get('--gram'),
     correlation: get('--correlation'),
     classes: Array.from({ length: 8 }, (_, index) => get(`--class-${index}`)),
@@ -45,6 +46,55 @@ export function prepare(canvas, width, height) {
 
 /** Marks are never smaller than this, in CSS pixels. */
 const LEAST_RADIUS = 0.6;
+
+/**
+ * Traces the plain mark of a class, for drawing by hand. Areas are alike, so that no class looks heavier than another.
+ *
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} shape
+ * @param {number} x
+ * @param {number} y
+ * @param {number} r radius of the disk
+ */
+export function traceMark(context, shape, x, y, r) {
+  switch (shape % 4) {
+    case 1:
+      context.rect(x - 0.89 * r, y - 0.89 * r, 1.78 * r, 1.78 * r);
+      break;
+    case 2:
+      context.moveTo(x, y - 1.45 * r);
+      context.lineTo(x + 1.26 * r, y + 0.73 * r);
+      context.lineTo(x - 1.26 * r, y + 0.73 * r);
+      context.closePath();
+      break;
+    case 3:
+      context.moveTo(x, y - 1.3 * r);
+      context.lineTo(x + 1.3 * r, y);
+      context.lineTo(x, y + 1.3 * r);
+      context.lineTo(x - 1.3 * r, y);
+      context.closePath();
+      break;
+    default:
+      context.moveTo(x + r, y);
+      context.arc(x, y, r, 0, 2 * Math.PI);
+  }
+}
+
+/**
+ * The mark of a class alone, as a sign.
+ *
+ * @param {HTMLCanvasElement} canvas
+ * @param {Colours} colours
+ * @param {number} klass
+ * @param {boolean} many whether there is more than one class
+ */
+export function tracePreview(canvas, colours, klass, many) {
+  const context = prepare(canvas, 14, 14);
+  context.beginPath();
+  traceMark(context, many ? klass : 0, 7, 7, 4.6);
+  context.fillStyle = many ? colours.classes[klass % colours.classes.length] : colours.point;
+  context.fill();
+}
 
 /**
  * From behind to the front, for patterns with depth: worked out once for a list of depths.
@@ -148,8 +198,9 @@ const PLAIN = ['disk', 'ring', 'square', 'triangle', 'diamond'];
  * @param {number | null} spacing in exemplar units
  * @param {number} scale pixels an exemplar unit
  * @param {boolean} things larger, so that shapes can be told apart
+ * @param {number} [most] the largest that looks well on the page
  */
-export function markRadius(spacing, scale, things = false) {
-  const [share, least, most] = things ? [0.28, 1.1, 16] : [0.22, 0.9, 6];
+export function markRadius(spacing, scale, things = false, most = things ? 16 : 6) {
+  const [share, least] = things ? [0.28, 1.1] : [0.22, 0.9];
   return Math.min(most, Math.max(least, share * (spacing ?? 0.05) * scale));
 }

@@ -57,7 +57,7 @@ export class Look {
       });
     }
     document.documentElement.dataset.palette = this.#palette;
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.#drawSwatches());
+    window.addEventListener('themechange', () => this.#drawSwatches());
   }
 
   #recall() {

@@ -18,7 +18,7 @@ export class LossChart {
 
   constructor() {
     new ResizeObserver(() => this.#redraw()).observe(this.#canvas);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    window.addEventListener('themechange', () => {
       this.#colours = readColours();
       this.#redraw();
     });
@@ -27,6 +27,17 @@ export class LossChart {
   /** Total loss of every iteration so far. */
   get totals() {
     return this.#losses.map(({ gram, correlation }) => gram + correlation);
+  }
+
+  /** The curve as numbers, for another visit. */
+  get record() {
+    return { losses: this.#losses, scales: this.#scales };
+  }
+
+  set record({ losses, scales }) {
+    this.#losses = [...losses];
+    this.#scales = [...scales];
+    this.#redraw();
   }
 
   /** @param {number} [iterations] how many of the first ones to keep */

@@ -25,7 +25,8 @@ import { Refused, WorkerDied } from './worker-link.js';
  * @property {(started: StartedResponse) => void} started
  * @property {(batch: BatchResponse) => void} batch
  * @property {(status: Status) => void} status
- * @property {(message: string) => void} refused
+ * @property {(message: string, onward?: boolean) => void} refused `onward`: what was to go on from the points as they are
+ * @property {(state: string) => void} saved the run as it is now, to continue from another time
  */
 
 /** How long the worker works before it answers: short enough to look alive, long enough to waste little. */
@@ -68,6 +69,23 @@ export class Run {
   /** How many iterations the last saved state of this run holds; null when there is none. */
   get savedIterations() {
     return this.#saved?.epoch === this.#epoch ? this.#saved.iterations : null;
+  }
+
+  /** What the run was started with. */
+  get plan() {
+    return this.#plan;
+  }
+
+  /** There is no run any more. */
+  clear() {
+    this.#epoch++;
+    this.#plan = null;
+    this.#become('empty');
+  }
+
+  /** The run as it is now, to continue from another time. */
+  async state() {
+    return (await this.#link.ask({ type: 'save' })).state;
   }
 
   /** @param {Status} status */
@@ -136,8 +154,15 @@ export class Run {
       return true;
     } catch (error) {
       if (epoch !== this.#epoch) return false;
-      if (error instanceof Refused && playing) this.#become('paused');
-      this.#fail(error);
+      if (!(error instanceof Refused)) {
+        this.#fail(error);
+        return false;
+      }
+      this.#hooks.refused(error.message, true);
+      if (playing && this.#status === 'playing') {
+        this.#become('paused');
+        this.play();
+      }
       return false;
     }
   }
@@ -166,46 +191,28 @@ export class Run {
     }
   }
 
-  /** The state as it is now, for {@link restore}; null when there is none. */
-  async snapshot() {
-    try {
-      return (await this.#link.ask({ type: 'save' })).state;
-    } catch (error) {
-      if (error instanceof Refused || error instanceof WorkerDied) return null;
-      throw error;
-    }
+  /** Continues from the last saved state, in a new worker if the old one died. */
+  recover() {
+    return this.#saved && this.#plan ? this.resume(this.#plan, this.#saved.state, true) : this.again();
   }
 
   /**
-   * Back to a state as it was, paused.
+   * Continues a run that was saved.
    *
+   * @param {Plan} plan what it was started with
    * @param {string} state
+   * @param {boolean} play whether to go on by itself
+   * @returns {Promise<boolean>} whether this run is now the one
    */
-  async restore(state) {
+  async resume(plan, state, play) {
     const epoch = ++this.#epoch;
     this.#loop = null;
     try {
       const started = await this.#link.ask({ type: 'resume', state });
       if (epoch !== this.#epoch) return false;
-      this.#adopt(started, false);
-      return true;
-    } catch (error) {
-      if (epoch === this.#epoch) this.#fail(error);
-      return false;
-    }
-  }
-
-  /** Continues from the last saved state, in a new worker if the old one died. */
-  async recover() {
-    const saved = this.#saved;
-    if (!saved) return this.again();
-    const epoch = ++this.#epoch;
-    this.#loop = null;
-    try {
-      const started = await this.#link.ask({ type: 'resume', state: saved.state });
-      if (epoch !== this.#epoch) return false;
-      this.#saved = { ...saved, epoch };
-      this.#adopt(started, true);
+      this.#plan = plan;
+      this.#saved = { epoch, state, iterations: started.progress.totalIterations };
+      this.#adopt(started, play);
       return true;
     } catch (error) {
       if (epoch === this.#epoch) this.#fail(error);
@@ -247,6 +254,7 @@ export class Run {
         this.#take(batch);
         if (this.#loop === loop && performance.now() - this.#savedAt > SAVE_EVERY_MS) await this.#save();
       }
+      if (this.#status === 'paused') void this.#save();
     } catch (error) {
       if (epoch === this.#epoch) this.#fail(error);
     }
@@ -266,6 +274,7 @@ export class Run {
         this.#take(batch);
         done = batch.finished || batch.events.some((event) => event.type === 'iterated');
       }
+      if (this.#status === 'paused') void this.#save();
     } catch (error) {
       if (epoch === this.#epoch) this.#fail(error);
     } finally {
@@ -287,7 +296,9 @@ export class Run {
     this.#savedAt = performance.now();
     try {
       const { state, progress } = await this.#link.ask({ type: 'save' });
-      if (epoch === this.#epoch) this.#saved = { epoch, state, iterations: progress.totalIterations };
+      if (epoch !== this.#epoch) return;
+      this.#saved = { epoch, state, iterations: progress.totalIterations };
+      this.#hooks.saved(state);
     } catch (error) {
       // The death of a worker is announced by the link; a refusal costs only the safety net.
       if (error instanceof Refused) console.warn(error.message);

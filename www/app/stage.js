@@ -14,8 +14,16 @@ const MARGIN = 8;
 const GLIDE_MS = 70;
 /** Narrower than this, exemplar and result stand above each other. */
 const STACK_BELOW = 520;
+/** Room around the result in a picture of its own, as a share of its width. */
+const PICTURE_MARGIN = 0.02;
 /** The words below the exemplar need this much. */
 const CAPTION_WIDTH = 170;
+/** While the exemplar is edited the editor takes its place; this share of the width is left for the result. */
+const RESULT_SHARE = 0.37;
+/** Three beside each other need more room than two. */
+const STACK_KEPT_BELOW = 780;
+/** The editor needs more width to have the result beside it. */
+const STACK_EDITOR_BELOW = 680;
 
 export class Stage {
   #figures = /** @type {HTMLElement} */ (document.getElementById('figures'));
@@ -32,12 +40,15 @@ export class Stage {
   /** Where the points are drawn; on the way to where they are. */
   #drawn = new Float32Array();
   #tiles = false;
+  #editing = false;
   #scale = 100;
   #frame = 0;
   #lastFrame = 0;
 
   /** The result kept for comparison. @type {PatternView | null} */
   #kept = null;
+  /** Whether that is drawn in the result's place. */
+  #showsKept = false;
   #keptCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('kept-canvas'));
   /** A point in a hand, and where that is. @type {{ index: number, place: [number, number] } | null} */
   #held = null;
@@ -50,7 +61,7 @@ export class Stage {
   constructor(look) {
     this.#look = look;
     new ResizeObserver(() => this.#layout()).observe(this.#figures);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.restyle());
+    window.addEventListener('themechange', () => this.restyle());
   }
 
   /** Draws with the colours and glyphs as they are now. */
@@ -71,7 +82,17 @@ export class Stage {
 
   /** Whether a place on the canvas is one place in the pattern. */
   get touchable() {
-    return this.#output !== null && !(this.#tiles && this.#output.boundary === 'periodic');
+    return this.#output !== null && !this.#showsKept && !(this.#tiles && this.#output.boundary === 'periodic');
+  }
+
+  get showsKept() {
+    return this.#showsKept;
+  }
+
+  /** @param {boolean} shows whether the result that was kept is drawn in the place of the one at hand */
+  set showsKept(shows) {
+    this.#showsKept = shows && this.#kept !== null;
+    this.#drawOutput();
   }
 
   /** Pixels an exemplar unit. */
@@ -172,6 +193,7 @@ export class Stage {
   unkeep() {
     if (!this.#kept) return;
     this.#kept = null;
+    this.#showsKept = false;
     this.#layout();
   }
 
@@ -198,10 +220,57 @@ export class Stage {
     this.#animate();
   }
 
+  /** How high a picture of that width is. @param {number} width in pixels @param {boolean} tile */
+  heightOf(width, tile) {
+    const [wide, high] = this.#output?.size ?? [1, 1];
+    // A tile has no margin.
+    const margin = tile ? 0 : 2 * PICTURE_MARGIN * width;
+    return Math.max(1, Math.round(((width - margin) * high) / wide + margin));
+  }
+
+  /**
+   * The result as a picture of its own, in the page's colours.
+   *
+   * @param {number} width in pixels
+   * @param {number} height
+   * @param {boolean} tile whether it ends at the domain's border, so that copies side by side are seamless
+   */
+  render(width, height, tile) {
+    const canvas = document.createElement('canvas');
+    [canvas.width, canvas.height] = [width, height];
+    const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
+    context.fillStyle = this.#colours.card;
+    context.fillRect(0, 0, width, height);
+    if (!this.#output || !this.#exemplar) return canvas;
+    const { points, size } = this.#output;
+    const styles = this.#look.styles(this.#exemplar, this.#colours);
+    const margin = tile ? 0 : PICTURE_MARGIN * width;
+    const scale = (width - 2 * margin) / size[0];
+    const radius = markRadius(this.#exemplar.spacing, scale, areThings(points, styles), Infinity);
+    // Whole pixels on both sides: what a tile's height was rounded by, its points follow.
+    context.setTransform(1, 0, 0, tile ? height / (size[1] * scale) : 1, 0, 0);
+    // What reaches over a tile's border comes in on the other side.
+    const around = tile ? [-1, 0, 1] : [0];
+    for (const row of around) {
+      for (const column of around) {
+        const [left, top] = [margin + column * size[0] * scale, margin + row * size[1] * scale];
+        drawPoints(context, this.#colours, points, { left, top, scale, radius, styles });
+      }
+    }
+    return canvas;
+  }
+
   /** @param {boolean} tiles whether to show the result three by three times */
   set tiles(tiles) {
     this.#tiles = tiles;
     this.#drawOutput();
+  }
+
+  /** @param {boolean} editing whether the editor stands in the exemplar's place */
+  set editing(editing) {
+    this.#editing = editing;
+    this.#figures.toggleAttribute('data-editing', editing);
+    this.#layout();
   }
 
   /** Finds the one scale at which both fit. */
@@ -211,11 +280,20 @@ export class Stage {
     const [exemplarWidth, exemplarHeight] = this.#exemplar.size;
     const [outputWidth, outputHeight] = this.#output.size;
     const [keptWidth, keptHeight] = this.#kept?.size ?? [0, 0];
-    // Three beside each other need more room than two.
-    const stacked = width < (this.#kept ? 1.5 : 1) * STACK_BELOW;
+    const figure = /** @type {HTMLElement} */ (this.#exemplarCanvas.parentElement);
+    const alone = figure.offsetParent === null && !this.#editing;
+    const least = this.#editing ? STACK_EDITOR_BELOW : this.#kept ? STACK_KEPT_BELOW : STACK_BELOW;
+    const stacked = width < least && !alone;
     this.#figures.dataset.shape = stacked ? 'stacked' : 'beside';
+    const head = 30;
+    // A frame is as high as it is.
+    const framed = document.documentElement.hasAttribute('data-embed');
+    const room = this.#fits.matches || framed ? Math.max(height, framed ? 120 : 300) : 0.8 * window.innerHeight;
+    const below = [...this.#figures.querySelectorAll('.touch-hint, .touch-bar')].reduce((sum, part) => sum + part.clientHeight, 0);
     let scale;
-    if (stacked) {
+    if (alone) {
+      scale = Math.min((width - 2 * MARGIN) / outputWidth, (room - head - below - 2 * MARGIN) / outputHeight);
+    } else if (stacked) {
       scale = (width - 2 * MARGIN) / Math.max(outputWidth, exemplarWidth, keptWidth);
       scale = Math.min(scale, (window.innerHeight * 0.8) / outputHeight);
     } else {
@@ -223,14 +301,11 @@ export class Stage {
       const free = width - gap - 4 * MARGIN - (this.#kept ? gap + 2 * MARGIN : 0);
       scale = free / (exemplarWidth + outputWidth + keptWidth);
       if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / (outputWidth + keptWidth);
-      const head = 30;
-      const room = this.#fits.matches ? Math.max(height, 300) : 0.8 * window.innerHeight;
-      const below = this.#outputCanvas.parentElement?.querySelector('.touch-bar')?.clientHeight ?? 0;
+      if (this.#editing) scale = (RESULT_SHARE * width - 2 * MARGIN) / outputWidth;
       scale = Math.min(scale, (room - head - below - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight, keptHeight));
     }
     this.#scale = Math.max(scale, 8);
     const captionWidth = Math.max(this.#scale * exemplarWidth + 2 * MARGIN, CAPTION_WIDTH);
-    const figure = /** @type {HTMLElement} */ (this.#exemplarCanvas.parentElement);
     figure.style.width = stacked ? '' : `${captionWidth}px`;
     this.#drawExemplar();
     this.#drawKept();
@@ -285,15 +360,16 @@ export class Stage {
 
   #drawOutput() {
     if (!this.#output || !this.#exemplar) return;
-    const { width, height, context } = this.#size(this.#outputCanvas, this.#output);
-    const { size } = this.#output;
-    const points = { ...this.#output.points, positions: this.#drawn };
-    const periodic = this.#output.boundary === 'periodic';
+    const shown = this.#showsKept && this.#kept ? this.#kept : this.#output;
+    const { width, height, context } = this.#size(this.#outputCanvas, shown);
+    const { size } = shown;
+    const points = shown === this.#output ? { ...shown.points, positions: this.#drawn } : shown.points;
+    const periodic = shown.boundary === 'periodic';
     const tiles = this.#tiles && periodic ? 3 : 1;
     const scale = this.#scale / tiles;
     const styles = this.#look.styles(this.#exemplar, this.#colours);
     const radius = markRadius(this.#exemplar.spacing, scale, areThings(points, styles));
-    const wrap = tiles === 1 ? this.#wrap(this.#output) : null;
+    const wrap = tiles === 1 ? this.#wrap(shown) : null;
     const [tileWidth, tileHeight] = [size[0] * scale, size[1] * scale];
     if (tiles === 1) {
       this.#ruler(context, width, height);
@@ -312,7 +388,7 @@ export class Stage {
       context.strokeStyle = this.#colours.lineStrong;
       context.strokeRect(MARGIN + tileWidth, MARGIN + tileHeight, tileWidth, tileHeight);
     }
-    this.overlay(context);
+    if (shown === this.#output) this.overlay(context);
   }
 
   /**

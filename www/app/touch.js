@@ -8,12 +8,16 @@ import { points as countPoints } from './words.js';
 /** @typedef {import('./stage.js').Stage} Stage */
 /** @typedef {import('./run.js').Run} Run */
 /** @typedef {{ index: number, pointer: number, start: [number, number], from: [number, number], pinned: boolean, moved: boolean }} Drag */
+/** @typedef {Drag & { timer: ReturnType<typeof setTimeout> }} Press */
 /** @typedef {{ say: string, run: () => Promise<boolean> }} Undo */
 
 /** A point is hit within so many pixels of its centre; a finger is wider than a mouse. */
 const REACH = { mouse: 10, pen: 14, touch: 24 };
-/** Less than this is a click. */
+/** Less than this is a click; a finger is less steady. */
 const CLICK_PX = 4;
+const TAP_PX = 10;
+/** A finger that rests this long on a point picks it up. Before that it may be about to scroll the page. */
+const HOLD_MS = 300;
 /** While a point is dragged the others learn of it no oftener: each time the scale is set up again. */
 const TELL_MS = 250;
 /** A lasso smaller than this, in pixels, was a slip. */
@@ -35,11 +39,15 @@ export class Touch {
   #regionButton = button('touch-region');
   #undoButton = button('touch-undo');
   #unpinButton = button('touch-unpin');
+  #hint = /** @type {HTMLElement} */ (document.getElementById('touch-hint'));
+  #coarse = matchMedia('(pointer: coarse)');
   #stage;
   #run;
   #announce;
   /** @type {Drag | null} */
   #drag = null;
+  /** A finger on a point that has not picked it up yet. @type {Press | null} */
+  #press = null;
   /** Corners of the lasso being drawn. @type {[number, number][] | null} */
   #lasso = null;
   /** The point that keys act on, and the one under the mouse. */
@@ -70,16 +78,17 @@ export class Touch {
     canvas.addEventListener('keydown', (event) => this.#key(event));
     canvas.addEventListener('focus', () => stage.redraw());
     canvas.addEventListener('blur', () => stage.redraw());
-    // A finger on a point drags it; anywhere else it scrolls the page.
-    canvas.addEventListener(
-      'touchstart',
-      (event) => {
-        const { clientX, clientY } = event.touches[0];
-        const takes = this.#choosesRegion || (event.touches.length === 1 && this.#hit(clientX, clientY, 'touch') >= 0);
-        if (takes && event.cancelable) event.preventDefault();
-      },
-      { passive: false },
-    );
+    // What is in a hand does not scroll the page; everything else does.
+    const takes = (/** @type {TouchEvent} */ event) => {
+      if ((this.#drag || this.#lasso) && event.cancelable) event.preventDefault();
+    };
+    canvas.addEventListener('touchstart', takes, { passive: false });
+    canvas.addEventListener('touchmove', takes, { passive: false });
+    // A long press is no wish for a menu.
+    canvas.addEventListener('contextmenu', (event) => {
+      if (this.#press || this.#drag) event.preventDefault();
+    });
+    window.addEventListener('keydown', (event) => this.#anywhere(event));
     this.#regionButton.addEventListener('click', () => this.#chooseRegion(!this.#choosesRegion));
     this.#undoButton.addEventListener('click', () => void this.undo());
     this.#unpinButton.addEventListener('click', () => void this.unpinAll());
@@ -104,7 +113,25 @@ export class Touch {
     this.#unpinButton.hidden = pinned === 0;
     this.#unpinButton.textContent = `Unpin ${pinned === 1 ? 'it' : `all ${pinned}`}`;
     this.#undoButton.disabled = this.#undos.length === 0;
-    this.#undoButton.title = this.#undos.at(-1)?.say ?? 'Nothing to undo';
+    this.#undoButton.title = `${this.#undos.at(-1)?.say ?? 'Nothing to undo'} (Ctrl+Z)`;
+    this.#regionButton.disabled = !this.#stage.touchable;
+    const hint = this.#says();
+    if (this.#hint.textContent !== hint) this.#hint.textContent = hint;
+  }
+
+  /** What a hand can do now. */
+  #says() {
+    const { touchable, showsKept, positions, pinned } = this.#stage;
+    if (showsKept) return 'This is A, as it was kept. B is at hand: it goes on, and is what you take away.';
+    if (positions.length === 0) return '';
+    if (!touchable) return 'Tiles are to look at. Leave them to move points.';
+    if (this.#choosesRegion) return 'Draw around the part to be done again; the rest stays. Esc leaves.';
+    const held = `${countPoints(pinned.length)} pinned.`;
+    if (pinned.length > 0 && this.#run.status === 'playing') return `${held} The others make room.`;
+    if (pinned.length > 0) return `${held} Go on, and the others make room.`;
+    return this.#coarse.matches
+      ? 'Hold a point, then drag it: it stays where you put it. A tap pins it.'
+      : 'Drag a point: it stays where you put it. A click pins it.';
   }
 
   /** @param {Undo} undo */
@@ -183,10 +210,14 @@ export class Touch {
 
   /** @param {[number, number][]} corners */
   async #redo(corners) {
-    const state = await this.#run.snapshot();
+    const { plan, status } = this.#run;
+    // Without it, there is only no way back.
+    const before = await this.#run.state().catch(() => null);
     const done = await this.#run.touch({ type: 'resynthesize', region: Float64Array.from(corners.flat()) });
     if (!done) return;
-    if (state !== null) this.#remember({ say: 'Undo: redo a region', run: () => this.#run.restore(state) });
+    if (plan && before !== null) {
+      this.#remember({ say: 'Undo: redo a region', run: () => this.#run.resume(plan, before, status !== 'paused') });
+    }
     this.#announce('The region is being done again; everything else stays.');
   }
 
@@ -205,41 +236,65 @@ export class Touch {
 
   /** @param {PointerEvent} event */
   #down(event) {
-    if (event.button !== 0 || this.#drag || this.#lasso || !this.#stage.touchable) return;
+    // A second finger is about to zoom.
+    this.#endPress();
+    if (event.button !== 0 || this.#drag || this.#lasso || !this.#stage.touchable || !event.isPrimary) return;
     if (this.#choosesRegion) {
       this.#lasso = [this.#stage.place(event.clientX, event.clientY)];
-    } else {
-      const index = this.#hit(event.clientX, event.clientY, event.pointerType);
-      if (index < 0) return;
-      this.#chosen = index;
-      this.#drag = {
-        index,
-        pointer: event.pointerId,
-        start: [event.clientX, event.clientY],
-        from: this.#position(index),
-        pinned: this.#isPinned(index),
-        moved: false,
-      };
+      this.#canvas.setPointerCapture(event.pointerId);
+      this.#stage.redraw();
+      return;
     }
-    this.#canvas.setPointerCapture(event.pointerId);
+    const index = this.#hit(event.clientX, event.clientY, event.pointerType);
+    if (index < 0) return;
+    /** @type {Drag} */
+    const drag = {
+      index,
+      pointer: event.pointerId,
+      start: [event.clientX, event.clientY],
+      from: this.#position(index),
+      pinned: this.#isPinned(index),
+      moved: false,
+    };
+    if (event.pointerType === 'touch') this.#press = { ...drag, timer: setTimeout(() => this.#take(drag), HOLD_MS) };
+    else this.#take(drag);
+  }
+
+  /** A point is in a hand. @param {Drag} drag */
+  #take(drag) {
+    const held = this.#press !== null;
+    this.#endPress();
+    // While a finger rested on it, it may have moved on by itself.
+    this.#drag = { ...drag, from: this.#position(drag.index) };
+    this.#chosen = drag.index;
+    if (held) navigator.vibrate?.(10);
+    this.#canvas.setPointerCapture(drag.pointer);
     this.#stage.redraw();
+  }
+
+  #endPress() {
+    clearTimeout(this.#press?.timer);
+    this.#press = null;
   }
 
   /** @param {PointerEvent} event */
   #move(event) {
     if (this.#lasso) {
-      this.#lasso.push(this.#stage.place(event.clientX, event.clientY));
+      if (event.isPrimary) this.#lasso.push(this.#stage.place(event.clientX, event.clientY));
       this.#stage.redraw();
       return;
     }
+    const from = (/** @type {Drag} */ { start }) => Math.hypot(event.clientX - start[0], event.clientY - start[1]);
+    if (this.#press && from(this.#press) > TAP_PX) this.#endPress();
     const drag = this.#drag;
     if (!drag) {
-      if (!this.#choosesRegion) this.#hover(this.#hit(event.clientX, event.clientY, event.pointerType));
+      if (!this.#choosesRegion && event.pointerType !== 'touch') {
+        this.#hover(this.#hit(event.clientX, event.clientY, event.pointerType));
+      }
       return;
     }
     if (event.pointerId !== drag.pointer) return;
-    const way = Math.hypot(event.clientX - drag.start[0], event.clientY - drag.start[1]);
-    if (!drag.moved && way < CLICK_PX) return;
+    if (!drag.moved && from(drag) < CLICK_PX) return;
     drag.moved = true;
     this.#canvas.classList.add('dragging');
     const place = this.#stage.inside(this.#stage.place(event.clientX, event.clientY));
@@ -262,12 +317,15 @@ export class Touch {
 
   /** @param {PointerEvent} event */
   #up(event) {
-    const [drag, lasso] = [this.#drag, this.#lasso];
+    if (this.#drag && event.pointerId !== this.#drag.pointer) return;
+    const [drag, lasso] = [this.#press ?? this.#drag, this.#lasso];
+    this.#endPress();
     this.#drag = this.#lasso = null;
     this.#canvas.classList.remove('dragging');
     if (lasso) {
       this.#finishLasso(lasso);
     } else if (drag && !drag.moved) {
+      this.#chosen = drag.index;
       void this.#toggle(drag.index);
     } else if (drag) {
       const place = this.#stage.inside(this.#stage.place(event.clientX, event.clientY));
@@ -292,6 +350,7 @@ export class Touch {
   }
 
   #cancel() {
+    this.#endPress();
     const drag = this.#drag;
     this.#drag = this.#lasso = null;
     this.#canvas.classList.remove('dragging');
@@ -313,16 +372,30 @@ export class Touch {
     this.#regionButton.setAttribute('aria-pressed', String(on));
     this.#canvas.classList.toggle('choosing', on);
     this.#hover(-1);
-    if (on) this.#announce('Draw around what is to be done again. Escape leaves.');
+    this.changed();
+    if (on) this.#announce('Draw around what is to be done again, or choose a point with the arrow keys and press Delete. Escape leaves.');
   }
 
   // -------------------------------------------------------------------------------------------- keyboard
 
+  /** Keys that mean the same wherever the focus is. @param {KeyboardEvent} event */
+  #anywhere(event) {
+    const target = /** @type {HTMLElement} */ (event.target);
+    if (event.defaultPrevented || target.closest?.('input:not([type="radio"], [type="checkbox"]), textarea, select, dialog, .editor')) return;
+    if (event.key === 'Escape' && (this.#drag || this.#choosesRegion)) {
+      this.#cancel();
+      this.#chooseRegion(false);
+    } else if (event.key.toLowerCase() === 'z' && (event.ctrlKey || event.metaKey) && !event.shiftKey && this.#undos.length > 0) {
+      void this.undo();
+    } else {
+      return;
+    }
+    event.preventDefault();
+  }
+
   /** @param {KeyboardEvent} event */
   #key(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || !this.#stage.touchable) {
-      if (event.key.toLowerCase() !== 'z' || !(event.ctrlKey || event.metaKey)) return;
-    }
+    if (event.ctrlKey || event.metaKey || event.altKey || !this.#stage.touchable) return;
     const count = this.#stage.positions.length / 2;
     if (count === 0) return;
     const arrow = ARROWS[event.key];
@@ -347,12 +420,8 @@ export class Touch {
           return [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
         }),
       );
-    } else if (event.key === 'Escape') {
-      this.#cancel();
-      this.#chooseRegion(false);
+    } else if (event.key === 'Escape' && chosen && !this.#drag && !this.#choosesRegion) {
       this.#chosen = -1;
-    } else if (event.key.toLowerCase() === 'z' && (event.ctrlKey || event.metaKey)) {
-      void this.undo();
     } else {
       return;
     }

@@ -2,6 +2,7 @@
 
 mod bench_peer;
 mod bench_web;
+mod offline;
 mod process;
 mod quality;
 mod requirements;
@@ -25,6 +26,8 @@ struct Arguments {
 enum Command {
     /// Build the page into dist/: the files of www/ and the crate as WebAssembly.
     Build(web::BuildArguments),
+    /// Bring dist/'s list of files up to date after some were changed there: version, service worker, headers.
+    Stamp,
     /// Build the WebAssembly modules and hold their sizes against the budgets.
     Size,
     /// Build the page and serve it on this machine.
@@ -42,6 +45,7 @@ enum Command {
 fn main() -> Result<()> {
     match Arguments::parse().command {
         Command::Build(arguments) => web::build(&arguments).map(|_| ()),
+        Command::Stamp => offline::stamp(&web::dist()).map(|_| ()),
         Command::Size => web::size(),
         Command::Serve(arguments) => serve::run(&arguments),
         Command::Test(arguments) => test::run(&arguments),

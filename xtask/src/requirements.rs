@@ -9,6 +9,8 @@ use crate::process;
 
 /// Names a Chromium goes by.
 const CHROMIUM: [&str; 4] = ["chromium", "chromium-browser", "google-chrome-stable", "google-chrome"];
+/// Names a Firefox goes by.
+const FIREFOX: [&str; 2] = ["firefox-esr", "firefox"];
 
 /// Something the tests need that Cargo can't bring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,13 +21,15 @@ pub(crate) enum Requirement {
     Npm,
     /// The browser that the page is tested in.
     Chromium,
+    /// A second browser, without WebGPU, that the page is opened in.
+    Firefox,
     /// Lavapipe, a Vulkan device in software, for the GPU engine on machines without a GPU.
     Vulkan,
 }
 
 impl Requirement {
     /// Everything that a whole test run needs.
-    pub(crate) const ALL: [Self; 4] = [Self::Node, Self::Npm, Self::Chromium, Self::Vulkan];
+    pub(crate) const ALL: [Self; 5] = [Self::Node, Self::Npm, Self::Chromium, Self::Firefox, Self::Vulkan];
 
     /// The Debian package that brings it.
     fn package(self) -> &'static str {
@@ -33,6 +37,7 @@ impl Requirement {
             Self::Node => "nodejs",
             Self::Npm => "npm",
             Self::Chromium => "chromium",
+            Self::Firefox => "firefox-esr",
             Self::Vulkan => "mesa-vulkan-drivers",
         }
     }
@@ -43,6 +48,7 @@ impl Requirement {
             Self::Node => "Node.js 18 or later",
             Self::Npm => "npm",
             Self::Chromium => "Chromium or Chrome",
+            Self::Firefox => "Firefox",
             Self::Vulkan => "a Vulkan driver, such as Mesa's lavapipe",
         }
     }
@@ -52,6 +58,7 @@ impl Requirement {
             Self::Node => process::find_program(&["node"]).is_some(),
             Self::Npm => process::find_program(&["npm"]).is_some(),
             Self::Chromium => chromium().is_some(),
+            Self::Firefox => firefox().is_some(),
             // Elsewhere the system brings its own graphics interface.
             Self::Vulkan => !cfg!(target_os = "linux") || has_vulkan_driver(),
         }
@@ -60,7 +67,16 @@ impl Requirement {
 
 /// The browser: `POINTWEAVE_CHROMIUM` when set, else the first one on the path.
 pub(crate) fn chromium() -> Option<PathBuf> {
-    std::env::var_os("POINTWEAVE_CHROMIUM").map(PathBuf::from).or_else(|| process::find_program(&CHROMIUM))
+    browser("POINTWEAVE_CHROMIUM", &CHROMIUM)
+}
+
+/// The second browser: `POINTWEAVE_FIREFOX` when set, else the first one on the path.
+pub(crate) fn firefox() -> Option<PathBuf> {
+    browser("POINTWEAVE_FIREFOX", &FIREFOX)
+}
+
+fn browser(variable: &str, names: &[&str]) -> Option<PathBuf> {
+    std::env::var_os(variable).map(PathBuf::from).or_else(|| process::find_program(names))
 }
 
 fn has_vulkan_driver() -> bool {

@@ -23,14 +23,17 @@ use crate::web;
 const NEIGHBOURS: u16 = 20;
 
 /// Sent with every answer. The isolation pair lets the page measure time finely and share memory; the policy lets in
-/// nothing but the page's own files. Nothing is cached: the next build must be what the next reload shows.
-const HEADERS: [(&str, &str); 7] = [
+/// nothing but the page's own files, and lets the page fetch a file of points from an address that a person confirms. Any
+/// page may show this one in a frame (there is no frame-ancestors, and files may be used across origins): it holds no
+/// secrets, and `docs/embed.md` says what an embedding page can learn. Nothing is cached: the next build must be what the
+/// next reload shows.
+pub(crate) const HEADERS: [(&str, &str); 7] = [
     ("cross-origin-opener-policy", "same-origin"),
     ("cross-origin-embedder-policy", "require-corp"),
-    ("cross-origin-resource-policy", "same-origin"),
+    ("cross-origin-resource-policy", "cross-origin"),
     (
         "content-security-policy",
-        "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; \
+        "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self' https:; \
          style-src 'self'; img-src 'self' blob: data:; base-uri 'none'; form-action 'none'",
     ),
     ("x-content-type-options", "nosniff"),

@@ -28,7 +28,7 @@ pub(crate) struct TestArguments {
 /// The steps, in their order: what fails soonest comes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Step {
-    /// Node, Chromium, a Vulkan driver, npm's packages.
+    /// Node, Chromium, Firefox, a Vulkan driver, npm's packages.
     Requirements,
     /// `cargo fmt --check`.
     Format,
@@ -42,7 +42,7 @@ enum Step {
     Web,
     /// The WebAssembly module against the native code, in Node.
     Wasm,
-    /// The page in headless Chromium.
+    /// The page in headless Chromium, and once in Firefox.
     Browser,
 }
 
@@ -56,7 +56,7 @@ impl Step {
             Self::Native => "Native tests",
             Self::Web => "Page build and module size",
             Self::Wasm => "WebAssembly tests",
-            Self::Browser => "Page tests in Chromium",
+            Self::Browser => "Page tests in browsers",
         }
     }
 
@@ -69,7 +69,7 @@ impl Step {
             Self::Native => &[Requirement::Vulkan],
             Self::Types => &[Requirement::Node, Requirement::Npm],
             Self::Wasm => &[Requirement::Node],
-            Self::Browser => &[Requirement::Node, Requirement::Npm, Requirement::Chromium],
+            Self::Browser => &[Requirement::Node, Requirement::Npm, Requirement::Chromium, Requirement::Firefox],
         }
     }
 }
@@ -217,6 +217,9 @@ impl Session<'_> {
         tests.args(["--test", "--test-reporter=spec", "--test-concurrency=1"]).args(files);
         if let Some(chromium) = requirements::chromium() {
             tests.env("POINTWEAVE_CHROMIUM", chromium);
+        }
+        if let Some(firefox) = requirements::firefox() {
+            tests.env("POINTWEAVE_FIREFOX", firefox);
         }
         self.all(&mut [tests])
     }

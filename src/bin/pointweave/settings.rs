@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn wrong_settings_are_named() {
         for (name, value, words) in [
-            ("chanels", "8", "no parameter 'chanels'; there are boundary, channels"),
+            ("chanels", "8", "no parameter 'chanels'; there are alignment, boundary, channels"),
             ("channels", "3", "'channels' is 3, but must lie between 4 and 160"),
             ("channels", "8.5", "whole number"),
             ("channels", "many", "\"many\", but must be a number"),
