@@ -501,6 +501,7 @@ element('dice').addEventListener('click', () => {
 });
 element('tiles').addEventListener('change', (event) => {
   stage.tiles = /** @type {HTMLInputElement} */ (event.target).checked;
+  touch.changed();
 });
 settings.addEventListener('submit', (event) => {
   event.preventDefault();

@@ -289,7 +289,9 @@ export class Stage {
     // A frame is as high as it is.
     const framed = document.documentElement.hasAttribute('data-embed');
     const room = this.#fits.matches || framed ? Math.max(height, framed ? 120 : 300) : 0.8 * window.innerHeight;
-    const below = [...this.#figures.querySelectorAll('.touch-hint, .touch-bar')].reduce((sum, part) => sum + part.clientHeight, 0);
+    // Beside each other, the figures have the tools for the result below them all.
+    const below = stacked ? 0 : /** @type {HTMLElement} */ (document.getElementById('touch')).offsetHeight;
+    this.#figures.style.paddingBottom = `${below}px`;
     let scale;
     if (alone) {
       scale = Math.min((width - 2 * MARGIN) / outputWidth, (room - head - below - 2 * MARGIN) / outputHeight);

@@ -89,6 +89,7 @@ export class Touch {
       if (this.#press || this.#drag) event.preventDefault();
     });
     window.addEventListener('keydown', (event) => this.#anywhere(event));
+    this.#coarse.addEventListener('change', () => this.changed());
     this.#regionButton.addEventListener('click', () => this.#chooseRegion(!this.#choosesRegion));
     this.#undoButton.addEventListener('click', () => void this.undo());
     this.#unpinButton.addEventListener('click', () => void this.unpinAll());
@@ -122,16 +123,16 @@ export class Touch {
   /** What a hand can do now. */
   #says() {
     const { touchable, showsKept, positions, pinned } = this.#stage;
-    if (showsKept) return 'This is A, as it was kept. B is at hand: it goes on, and is what you take away.';
+    if (showsKept) return 'This is A, as kept. What you take away is B.';
     if (positions.length === 0) return '';
-    if (!touchable) return 'Tiles are to look at. Leave them to move points.';
-    if (this.#choosesRegion) return 'Draw around the part to be done again; the rest stays. Esc leaves.';
+    if (!touchable) return 'Leave the tiles to move points.';
+    if (this.#choosesRegion) return 'Draw around what is to be done again. Esc leaves.';
     const held = `${countPoints(pinned.length)} pinned.`;
     if (pinned.length > 0 && this.#run.status === 'playing') return `${held} The others make room.`;
-    if (pinned.length > 0) return `${held} Go on, and the others make room.`;
+    if (pinned.length > 0) return `${held} Go on: the others make room.`;
     return this.#coarse.matches
-      ? 'Hold a point, then drag it: it stays where you put it. A tap pins it.'
-      : 'Drag a point: it stays where you put it. A click pins it.';
+      ? 'Hold a point, then drag it; a tap pins it.'
+      : 'Drag a point: it stays put. A click pins it.';
   }
 
   /** @param {Undo} undo */
@@ -414,6 +415,7 @@ export class Touch {
     } else if ((event.key === 'Delete' || event.key === 'Backspace') && chosen) {
       const [x, y] = this.#position(this.#chosen);
       const radius = AROUND * this.#stage.spacing;
+      if (this.#choosesRegion) this.#chooseRegion(false);
       void this.#redo(
         Array.from({ length: CORNERS }, (_, i) => {
           const angle = (2 * Math.PI * i) / CORNERS;
