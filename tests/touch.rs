@@ -83,6 +83,31 @@ fn pinned_points_stay_bit_for_bit_while_the_others_move() {
 }
 
 #[test]
+fn pinned_disks_keep_their_places_and_values_while_the_others_exchange_theirs() {
+    for name in ["packed-disks", "graded-disks"] {
+        let parameters = Parameters { expansion_x: 1.0, expansion_y: 1.0, ..small(exemplar(name).boundary(), 3) };
+        assert!(parameters.value_swaps > 0 && parameters.disk_overlap > 0.0 && parameters.alignment > 0);
+        let mut run = start(name, parameters.clone());
+        run.run(2).unwrap();
+        let held: Vec<usize> = (0..run.points().len()).step_by(4).collect();
+        run.pin(&held, true).unwrap();
+        let of = |run: &Synthesis| -> Vec<(DVec2, usize)> {
+            held.iter().map(|&point| (run.points()[point], run.sources()[point])).collect()
+        };
+        let (before, sources) = (of(&run), run.sources().to_vec());
+        finish(&mut run);
+        assert_eq!(of(&run), before, "{name}");
+        assert_ne!(run.sources(), sources, "{name}: the others exchange their values");
+        // Negative control: without pins the same points move and exchange, too.
+        let mut free = start(name, parameters);
+        finish(&mut free);
+        let (places, values): (Vec<_>, Vec<_>) =
+            of(&free).into_iter().zip(&before).map(|(now, then)| (now.0 != then.0, now.1 != then.1)).unzip();
+        assert!(places.iter().all(|&moved| moved) && values.contains(&true), "{name}");
+    }
+}
+
+#[test]
 fn pins_are_let_go_of() {
     let mut run = start("rings", small(Boundary::Periodic, 3));
     let all: Vec<usize> = (0..run.points().len()).collect();
