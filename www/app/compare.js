@@ -76,7 +76,8 @@ export class Compare {
     this.#kept = this.#present;
     this.#turn(false);
     this.#stage.keep();
-    element('kept').hidden = false;
+    element('kept-count').textContent = element('output-count').textContent;
+    element('comparison').hidden = false;
     this.#letters.hidden = false;
     element('quality-b').textContent = '';
     this.#describe();
@@ -88,7 +89,7 @@ export class Compare {
     this.#kept = null;
     this.#turn(false);
     this.#stage.unkeep();
-    element('kept').hidden = true;
+    element('comparison').hidden = true;
     this.#letters.hidden = true;
     element('quality-a').textContent = element('quality-b').textContent = '';
   }
@@ -100,7 +101,8 @@ export class Compare {
   async #judge(id, letter) {
     try {
       const { quality, iterations } = await this.#link.ask({ type: 'analyze' });
-      element(id).textContent = `${letter}: quality ${quality.score.toFixed(2)} after ${iterations} iterations`;
+      element(id).textContent = `Quality of ${letter}: ${quality.score.toFixed(2)}.`;
+      element(id).title = `After ${iterations} iterations`;
     } catch (error) {
       if (error instanceof Refused) element(id).textContent = '';
       else if (!(error instanceof WorkerDied)) throw error;

@@ -20,8 +20,8 @@ const PICTURE_MARGIN = 0.02;
 const CAPTION_WIDTH = 170;
 /** While the exemplar is edited the editor takes its place; this share of the width is left for the result. */
 const RESULT_SHARE = 0.37;
-/** Three beside each other need more room than two. */
-const STACK_KEPT_BELOW = 780;
+/** Narrower than this, the result kept is only seen in the place of the one at hand. */
+const APART_FROM = 740;
 /** The editor needs more width to have the result beside it. */
 const STACK_EDITOR_BELOW = 680;
 
@@ -29,6 +29,8 @@ export class Stage {
   #figures = /** @type {HTMLElement} */ (document.getElementById('figures'));
   #exemplarCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('exemplar-canvas'));
   #outputCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('output-canvas'));
+  /** What there is to touch the result with. */
+  #tools = /** @type {HTMLElement} */ (document.getElementById('touch'));
   #colours = readColours();
   /** Where the page is as high as the window, the figures must fit into what is left of it; see the style sheet. */
   #fits = matchMedia('(min-width: 1120px)');
@@ -60,7 +62,9 @@ export class Stage {
   /** @param {import('./look.js').Look} look */
   constructor(look) {
     this.#look = look;
-    new ResizeObserver(() => this.#layout()).observe(this.#figures);
+    const resized = new ResizeObserver(() => this.#layout());
+    resized.observe(this.#figures);
+    resized.observe(this.#tools);
     window.addEventListener('themechange', () => this.restyle());
   }
 
@@ -278,33 +282,37 @@ export class Stage {
     if (!this.#exemplar || !this.#output) return;
     const { clientWidth: width, clientHeight: height } = this.#figures;
     const [exemplarWidth, exemplarHeight] = this.#exemplar.size;
-    const [outputWidth, outputHeight] = this.#output.size;
-    const [keptWidth, keptHeight] = this.#kept?.size ?? [0, 0];
     const figure = /** @type {HTMLElement} */ (this.#exemplarCanvas.parentElement);
     const alone = figure.offsetParent === null && !this.#editing;
-    const least = this.#editing ? STACK_EDITOR_BELOW : this.#kept ? STACK_KEPT_BELOW : STACK_BELOW;
-    const stacked = width < least && !alone;
+    const stacked = width < (this.#editing ? STACK_EDITOR_BELOW : STACK_BELOW) && !alone;
     this.#figures.dataset.shape = stacked ? 'stacked' : 'beside';
+    const apart = this.#kept !== null && !stacked && !alone && !this.#editing && width >= APART_FROM;
+    this.#figures.toggleAttribute('data-apart', apart);
+    const [keptWidth, keptHeight] = this.#kept?.size ?? [0, 0];
+    const outputHeight = Math.max(this.#output.size[1], keptHeight);
+    // Where the one stands in the other's place, there must be room for both.
+    const outputWidth = apart ? this.#output.size[0] : Math.max(this.#output.size[0], keptWidth);
     const head = 30;
     // A frame is as high as it is.
     const framed = document.documentElement.hasAttribute('data-embed');
     const room = this.#fits.matches || framed ? Math.max(height, framed ? 120 : 300) : 0.8 * window.innerHeight;
-    // Beside each other, the figures have the tools for the result below them all.
-    const below = stacked ? 0 : /** @type {HTMLElement} */ (document.getElementById('touch')).offsetHeight;
+    // Beside each other, the figures have the tools below them all.
+    const below = stacked ? 0 : this.#tools.offsetHeight;
     this.#figures.style.paddingBottom = `${below}px`;
     let scale;
     if (alone) {
       scale = Math.min((width - 2 * MARGIN) / outputWidth, (room - head - below - 2 * MARGIN) / outputHeight);
     } else if (stacked) {
-      scale = (width - 2 * MARGIN) / Math.max(outputWidth, exemplarWidth, keptWidth);
+      scale = (width - 2 * MARGIN) / Math.max(outputWidth, exemplarWidth);
       scale = Math.min(scale, (window.innerHeight * 0.8) / outputHeight);
     } else {
       const gap = Number.parseFloat(getComputedStyle(this.#figures).columnGap) || 0;
-      const free = width - gap - 4 * MARGIN - (this.#kept ? gap + 2 * MARGIN : 0);
-      scale = free / (exemplarWidth + outputWidth + keptWidth);
-      if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / (outputWidth + keptWidth);
+      const free = width - gap - 4 * MARGIN - (apart ? gap + 2 * MARGIN : 0);
+      const results = outputWidth + (apart ? keptWidth : 0);
+      scale = free / (exemplarWidth + results);
+      if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / results;
       if (this.#editing) scale = (RESULT_SHARE * width - 2 * MARGIN) / outputWidth;
-      scale = Math.min(scale, (room - head - below - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight, keptHeight));
+      scale = Math.min(scale, (room - head - below - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight));
     }
     this.#scale = Math.max(scale, 8);
     const captionWidth = Math.max(this.#scale * exemplarWidth + 2 * MARGIN, CAPTION_WIDTH);

@@ -126,7 +126,7 @@ export class Touch {
     if (showsKept) return 'This is A, as kept. What you take away is B.';
     if (positions.length === 0) return '';
     if (!touchable) return 'Leave the tiles to move points.';
-    if (this.#choosesRegion) return 'Draw around what is to be done again. Esc leaves.';
+    if (this.#choosesRegion) return `Draw around what is to be done again.${this.#coarse.matches ? '' : ' Esc leaves.'}`;
     const held = `${countPoints(pinned.length)} pinned.`;
     if (pinned.length > 0 && this.#run.status === 'playing') return `${held} The others make room.`;
     if (pinned.length > 0) return `${held} Go on: the others make room.`;
