@@ -3,6 +3,8 @@
 //! The maps come in *bands*: sets in which each point has one weight. A pattern of plain points has one band, in which
 //! every point weighs 1. Every attribute has a band of the nine frequencies (Huang et al. 2022, §4.5; every pair of map
 //! and attribute), and classes that are to be told apart have a band of all ten maps each, in which the others weigh 0.
+//! The paper's maps of a pattern with attributes are the bands of the attributes and the plain Gaussian; where classes
+//! have bands of their own a single one has its ten maps, too: weighted by their size small points are hardly seen.
 
 use crate::pattern::{Attribute, Meaning, PointPattern};
 
@@ -111,8 +113,8 @@ impl Weights {
             ClassMaps::Each => placed.len(),
         };
         let waves = columns.len();
-        // With attributes one band of unweighted points is the Gaussian alone, as in the paper.
-        let lone = full < 2 && waves > 0;
+        // In the paper's maps the Gaussian alone sees points that have attributes without them.
+        let lone = maps == ClassMaps::Pooled && waves > 0;
         let bands = Bands { lone, full: if lone { 0 } else { full.max(1) }, waves };
         if bands == Bands::default() {
             return Self::default();
@@ -247,5 +249,8 @@ mod tests {
         let (bands, weights) = values(&column, &placed, ClassMaps::Separate);
         assert_eq!(bands, Bands { lone: false, full: 2, waves: 1 });
         assert_eq!(weights[..6], [0.0, 1.0, 0.1, 1.0, 0.0, 0.2]);
+        let weights = Weights::of(&column, &[0; 4], &[0], ClassMaps::Separate, &sources);
+        assert_eq!(weights.bands(), Bands { lone: false, full: 1, waves: 1 }, "all ten maps without the attribute");
+        assert_eq!(weights.values(2).collect::<Vec<_>>(), [1.0, 0.1, 1.0, 0.2]);
     }
 }

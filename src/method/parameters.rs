@@ -161,7 +161,8 @@ pub enum ClassMaps {
     /// All points in the same maps (the paper's).
     #[default]
     Pooled,
-    /// The class that moves has maps of its own, those before it share some.
+    /// The class that moves has maps of its own, those before it share some. Points with attributes have all ten maps
+    /// without them, also when there is one class, and not the Gaussian alone.
     Separate,
     /// Every class has maps of its own.
     Each,

@@ -10,8 +10,10 @@
 //! forward transform has N/2 points.
 //!
 //! Layouts: images `[height, width, channels]`, channels padded to [`LANES`]; transformed tiles
-//! `[tile, frequency, re | im, channels]`, products `[frequency, re | im, tile, channels]`. Every parallel task thus
-//! writes one contiguous piece and reads the rest with strides.
+//! `[block of ROWS tiles, eight channels, frequency, tile of the block, re | im, channel]`, products
+//! `[frequency, tile, eight channels, re | im, channel]` with a gap after every frequency. Every parallel task thus
+//! writes one contiguous piece and reads the rest in whole cache lines: the product finds its left operand as it wants
+//! it. Without the gap the strides would be multiples of 4096 bytes, for which a cache has few places.
 
 #![expect(clippy::needless_range_loop, reason = "the index runs over several arrays at once, as in the formulas")]
 
@@ -19,7 +21,7 @@ use crate::domain::Boundary;
 
 use super::lanes::{self, Kernel, LANES, Lanes, padded};
 use super::parallel::{for_each_chunk, threads};
-use super::product;
+use super::product::{self, LINE, PIECE, Pieces, ROWS};
 use super::real::Real;
 use super::scratch::Scratch;
 use super::tile_fft::{self, Signal, Transform, Twiddles};
@@ -149,6 +151,8 @@ impl<T: Real> Filters<T> {
         // All kernels of one input channel are an image of 7 × 7 pixels, which goes the way of all images.
         let mut kernels = vec![T::ZERO; KERNEL * KERNEL * c_out];
         let mut spectrum = vec![T::ZERO; self.tile.frequencies() * 2 * c_out];
+        let twiddles = Twiddles::new();
+        let tiles = Tiles { first: 0, count: 1, columns: 1, step: 0, reach: 0 };
         for from in 0..channels_in {
             for to in 0..channels_out {
                 let weights = &weights[(to * channels_in + from) * KERNEL * KERNEL..][..KERNEL * KERNEL];
@@ -164,7 +168,11 @@ impl<T: Real> Filters<T> {
                 channels: c_out,
                 boundary: Boundary::Open,
             };
-            lanes::run(TransformFull::<T, N> { image, origin: [0, 0], out: &mut spectrum });
+            for group in (0..c_out).step_by(LANES) {
+                let place = Place { frequency: 2 * c_out, part: c_out, tile: 0 };
+                let out = &mut spectrum[group..];
+                lanes::run(TransformFull::<T, N> { image, group, tiles, place, twiddles: &twiddles, out });
+            }
             for (part, line) in spectrum.chunks_exact(c_out).enumerate() {
                 self.spectra[(part * c_in + from) * c_out..][..c_out].copy_from_slice(line);
             }
@@ -222,12 +230,21 @@ pub struct Workspace<T> {
     operands: Scratch<T>,
 }
 
+/// Numbers between the products of two frequencies.
+const GAP: usize = LINE;
+
+/// From the products of one frequency to those of the next.
+const fn product_len(tiles: usize, channels: usize) -> usize {
+    2 * tiles * channels + GAP
+}
+
 /// Numbers a work space must hold: transformed tiles, products, and one thread's operands.
 fn workspace_lens(geometry: &Geometry, tile: Tile, channels_in: usize, channels_out: usize) -> [usize; 3] {
-    let widest = padded(channels_in).max(padded(channels_out));
-    let transformed = geometry.tiles(tile) * tile.frequencies() * 2 * widest;
-    let operands = product::packed_len(geometry.tiles(tile), widest) + 2 * padded(channels_in) * padded(channels_out);
-    [transformed, transformed, operands]
+    let (c_in, c_out) = (padded(channels_in), padded(channels_out));
+    let groups = c_in.max(c_out) / LANES;
+    let (tiles, frequencies) = (geometry.tiles(tile), tile.frequencies());
+    let transformed = tiles.div_ceil(ROWS) * groups * frequencies * PIECE;
+    [transformed, frequencies * product_len(tiles, groups * LANES), 2 * c_in * c_out]
 }
 
 impl<T: Real> Workspace<T> {
@@ -287,7 +304,7 @@ impl Convolution {
     /// Operations (multiplications and additions) of the product over all frequencies.
     #[must_use]
     pub fn operations(&self) -> f64 {
-        8.0 * (self.frequencies() * self.geometry.tiles(self.tile) * self.channels_in * self.channels_out) as f64
+        8.0 * (self.tile.frequencies() * self.geometry.tiles(self.tile) * self.channels_in * self.channels_out) as f64
     }
 
     /// Step 1: transforms the tiles of the input.
@@ -314,20 +331,24 @@ impl Convolution {
             self.geometry.output()
         };
         let channels = self.inner(direction);
+        let groups = channels / LANES;
+        let count = self.geometry.tiles(self.tile);
         let columns = self.geometry.tile_grid(self.tile).1;
-        let len = self.tile.frequencies() * 2 * channels;
-        let tiles = &mut workspace.tiles[..self.geometry.tiles(self.tile) * len];
-        for_each_chunk(tiles, len, |index, out| {
-            let image = Image { source, height, width, channels, boundary: self.geometry.boundary };
-            let at = [index / columns, index % columns];
+        let image = Image { source, height, width, channels, boundary: self.geometry.boundary };
+        let len = self.tile.frequencies() * PIECE;
+        let place = Place { frequency: PIECE, part: LANES, tile: LINE };
+        let full = Twiddles::<T, N>::new();
+        let half = Twiddles::<T, HALF>::new();
+        let pieces = &mut workspace.tiles[..count.div_ceil(ROWS) * groups * len];
+        for_each_chunk(pieces, len, |index, out| {
+            let (first, group) = (index / groups * ROWS, index % groups * LANES);
+            let (step, reach) = if decimated { (self.tile.step() / 2, 1) } else { (self.tile.step(), REACH) };
+            let tiles = Tiles { first, count: ROWS.min(count - first), columns, step, reach };
             if decimated {
-                let step = self.tile.step() / 2;
-                let origin = at.map(|i| (i * step) as isize - 1);
-                lanes::run(TransformDecimated::<T, N, HALF> { image, origin, out });
+                let (twiddles, shift) = (&half, &full);
+                lanes::run(TransformDecimated::<T, N, HALF> { image, group, tiles, place, twiddles, shift, out });
             } else {
-                let step = N - KERNEL + 1;
-                let origin = at.map(|i| (i * step) as isize - REACH as isize);
-                lanes::run(TransformFull::<T, N> { image, origin, out });
+                lanes::run(TransformFull::<T, N> { image, group, tiles, place, twiddles: &full, out });
             }
         });
     }
@@ -344,24 +365,19 @@ impl Convolution {
         let (inner, outer) = (self.inner(direction), self.outer(direction));
         let Workspace { tiles: transformed, products, operands } = workspace;
         let transformed = &transformed[..];
-        let len = 2 * tiles * outer;
+        let len = product_len(tiles, outer);
+        let w_len = 2 * self.channels_in * self.channels_out;
         let first = frequencies.start;
         for_each_chunk(&mut products[first * len..frequencies.end * len], len, |offset, out| {
-            let frequency = first + offset;
             let mut operands = operands.mine();
-            let (x, rest) = operands.split_at_mut(product::packed_len(tiles, inner));
-            let w_len = 2 * self.channels_in * self.channels_out;
+            let frequency = first + offset;
+            let data = &transformed[frequency * PIECE..];
             lanes::run(Multiply {
-                transformed,
-                frequency,
-                frequencies: self.tile.frequencies(),
+                x: Pieces { data, stride: self.tile.frequencies() * PIECE, rows: tiles, inner },
                 filters: &filters.spectra[frequency * w_len..(frequency + 1) * w_len],
                 direction,
-                tiles,
-                inner,
                 outer,
-                x,
-                transposed: &mut rest[..w_len],
+                transposed: &mut operands[..w_len],
                 out,
             });
         });
@@ -462,9 +478,44 @@ impl<T: Real> Image<'_, T> {
     }
 }
 
+/// Some tiles of an image, row by row.
+#[derive(Clone, Copy)]
+struct Tiles {
+    first: usize,
+    count: usize,
+    /// Tiles in a row of them.
+    columns: usize,
+    /// Pixels from one tile to the next.
+    step: usize,
+    /// Pixels a tile begins before the first that is its own.
+    reach: usize,
+}
+
+impl Tiles {
+    /// Row and column of the image at which each begins.
+    #[inline(always)]
+    fn origins(self) -> impl Iterator<Item = [isize; 2]> {
+        (self.first..self.first + self.count).map(move |tile| {
+            [tile / self.columns, tile % self.columns].map(|at| (at * self.step) as isize - self.reach as isize)
+        })
+    }
+}
+
+/// Where a transformed value goes: how far it is from one frequency, part (real, imaginary) and tile to the next.
+#[derive(Clone, Copy)]
+struct Place {
+    frequency: usize,
+    part: usize,
+    tile: usize,
+}
+
+/// Transforms eight channels of some tiles.
 struct TransformFull<'a, T, const N: usize> {
     image: Image<'a, T>,
-    origin: [isize; 2],
+    group: usize,
+    tiles: Tiles,
+    place: Place,
+    twiddles: &'a Twiddles<T, N>,
     out: &'a mut [T],
 }
 
@@ -474,18 +525,16 @@ where
 {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let channels = self.image.channels;
-        let twiddles = Twiddles::<T, N>::new();
         let mut tile = [[Lanes::<T>::ZERO; N]; N];
         let mut spectrum = [Signal::<T, N>::ZERO; N];
-        for group in (0..channels).step_by(LANES) {
-            self.image.fill::<N>(self.origin, group, tile.as_flattened_mut());
-            tile_fft::forward(tile.as_flattened(), &mut spectrum, &twiddles);
+        for (index, origin) in self.tiles.origins().enumerate() {
+            self.image.fill::<N>(origin, self.group, tile.as_flattened_mut());
+            tile_fft::forward(tile.as_flattened(), &mut spectrum, self.twiddles);
             for ky in 0..N {
                 for (kx, column) in spectrum[..=N / 2].iter().enumerate() {
-                    let at = (ky * (N / 2 + 1) + kx) * 2 * channels + group;
+                    let at = (ky * (N / 2 + 1) + kx) * self.place.frequency + index * self.place.tile;
                     column.re[ky].store(&mut self.out[at..]);
-                    column.im[ky].store(&mut self.out[at + channels..]);
+                    column.im[ky].store(&mut self.out[at + self.place.part..]);
                 }
             }
         }
@@ -495,7 +544,11 @@ where
 /// The tile has samples at odd places only: the image's pixels, one zero between each two.
 struct TransformDecimated<'a, T, const N: usize, const HALF: usize> {
     image: Image<'a, T>,
-    origin: [isize; 2],
+    group: usize,
+    tiles: Tiles,
+    place: Place,
+    twiddles: &'a Twiddles<T, HALF>,
+    shift: &'a Twiddles<T, N>,
     out: &'a mut [T],
 }
 
@@ -505,14 +558,11 @@ where
 {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let channels = self.image.channels;
-        let twiddles = Twiddles::<T, HALF>::new();
-        let shift = Twiddles::<T, N>::new();
         let mut tile = [[Lanes::<T>::ZERO; HALF]; HALF];
         let mut spectrum = [Signal::<T, HALF>::ZERO; HALF];
-        for group in (0..channels).step_by(LANES) {
-            self.image.fill::<HALF>(self.origin, group, tile.as_flattened_mut());
-            tile_fft::forward(tile.as_flattened(), &mut spectrum, &twiddles);
+        for (index, origin) in self.tiles.origins().enumerate() {
+            self.image.fill::<HALF>(origin, self.group, tile.as_flattened_mut());
+            tile_fft::forward(tile.as_flattened(), &mut spectrum, self.twiddles);
             for ky in 0..N {
                 for kx in 0..=N / 2 {
                     // The small spectrum repeats; its right half is the mirrored conjugate of its left one.
@@ -525,26 +575,22 @@ where
                     };
                     // The samples sit at odd places: a shift by one pixel each way.
                     let turn = (ky + kx) % N;
-                    let (wr, wi) = (shift.re[turn], shift.im[turn]);
-                    let at = (ky * (N / 2 + 1) + kx) * 2 * channels + group;
+                    let (wr, wi) = (self.shift.re[turn], self.shift.im[turn]);
+                    let at = (ky * (N / 2 + 1) + kx) * self.place.frequency + index * self.place.tile;
                     (re.scale(wr) - im.scale(wi)).store(&mut self.out[at..]);
-                    (re.scale(wi) + im.scale(wr)).store(&mut self.out[at + channels..]);
+                    (re.scale(wi) + im.scale(wr)).store(&mut self.out[at + self.place.part..]);
                 }
             }
         }
     }
 }
 
+/// Multiplies one frequency.
 struct Multiply<'a, T> {
-    transformed: &'a [T],
-    frequency: usize,
-    frequencies: usize,
+    x: Pieces<'a, T>,
     filters: &'a [T],
     direction: Direction,
-    tiles: usize,
-    inner: usize,
     outer: usize,
-    x: &'a mut [T],
     transposed: &'a mut [T],
     out: &'a mut [T],
 }
@@ -552,21 +598,16 @@ struct Multiply<'a, T> {
 impl<T: Real> Kernel for Multiply<'_, T> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self { tiles, inner, outer, .. } = self;
-        for tile in 0..tiles {
-            let at = (tile * self.frequencies + self.frequency) * 2 * inner;
-            let (re, im) = self.transformed[at..at + 2 * inner].split_at(inner);
-            product::pack_row(re, im, tile, self.x);
-        }
+        let Self { x, outer, .. } = self;
         if self.direction == Direction::Forward {
             // Correlation, not convolution: the conjugate of the filter's spectrum.
-            product::complex::<T, true, FMA>(self.x, self.filters, tiles, inner, outer, self.out);
+            product::complex::<T, true, FMA>(x, self.filters, outer, self.out);
         } else {
-            let plane = inner * outer;
+            let plane = x.inner * outer;
             for (from, to) in self.filters.chunks_exact(plane).zip(self.transposed.chunks_exact_mut(plane)) {
-                transpose(from, to, outer, inner);
+                transpose(from, to, outer, x.inner);
             }
-            product::complex::<T, false, FMA>(self.x, self.transposed, tiles, inner, outer, self.out);
+            product::complex::<T, false, FMA>(x, self.transposed, outer, self.out);
         }
     }
 }
@@ -596,10 +637,12 @@ struct Product<'a, T> {
 }
 
 impl<T: Real> Product<'_, T> {
+    /// Real and imaginary part of eight channels of a tile at a frequency.
     #[inline(always)]
     fn at(&self, frequency: usize, tile: usize, group: usize) -> (Lanes<T>, Lanes<T>) {
-        let at = (frequency * 2 * self.tiles + self.first_tile + tile) * self.channels + group;
-        (Lanes::load(&self.products[at..]), Lanes::load(&self.products[at + self.tiles * self.channels..]))
+        let at = frequency * product_len(self.tiles, self.channels) + (self.first_tile + tile) * 2 * self.channels;
+        let line = &self.products[at + 2 * group..][..LINE];
+        (Lanes::load(line), Lanes::load(&line[LANES..]))
     }
 }
 
@@ -628,10 +671,8 @@ where
             let across = self.step.min(self.width - left);
             for group in (0..channels).step_by(LANES) {
                 for ky in 0..N {
-                    for kx in 0..=N / 2 {
-                        let (re, im) = self.product.at(ky * (N / 2 + 1) + kx, column, group);
-                        spectrum[kx].re[ky] = re;
-                        spectrum[kx].im[ky] = im;
+                    for (kx, signal) in spectrum[..=N / 2].iter_mut().enumerate() {
+                        (signal.re[ky], signal.im[ky]) = self.product.at(ky * (N / 2 + 1) + kx, column, group);
                     }
                 }
                 tile_fft::inverse(&mut spectrum, tile.as_flattened_mut(), self.first, self.first + height, &twiddles);

@@ -1,93 +1,88 @@
 //! Matrix products of the engine's shapes: thin, batched, the same right operands in every iteration.
 //!
 //! General libraries pack both operands anew at every call and allocate for it. Here the right operand lies contiguous
-//! along the lanes already, the left one is packed into space that is kept, and the code stays safe.
+//! along the lanes already, the left one of the complex product is written in the order in which it is read, and the code
+//! stays safe.
 
 use super::lanes::LANES;
 use super::real::Real;
 
 /// Rows of a register block of the complex product: with eight columns, real and imaginary parts, its sums fill twelve
 /// of sixteen vector registers.
-const ROWS: usize = 6;
+pub const ROWS: usize = 6;
 
 #[inline(always)]
 fn multiply_add<T: Real, const FMA: bool>(a: T, b: T, c: T) -> T {
     if FMA { a.fused(b, c) } else { a * b + c }
 }
 
-/// A left operand in blocks of [`ROWS`] rows: `[block, inner, re | im, ROWS]`, the last block filled up with zeros. One
-/// step of the inner product then reads one contiguous piece.
-pub const fn packed_len(rows: usize, inner: usize) -> usize {
-    rows.div_ceil(ROWS) * inner * 2 * ROWS
-}
+/// Numbers in a piece of a left operand: eight channels of [`ROWS`] rows, `[ROWS, re | im, LANES]`. Whoever makes the
+/// operand writes it so, a cache line at a time; the product then reads one contiguous piece, without packing it anew.
+pub const PIECE: usize = ROWS * LINE;
+/// Eight channels of a complex number, `[re | im, LANES]`.
+pub const LINE: usize = 2 * LANES;
 
-/// Packs row `row` of a left operand: its real parts, then its imaginary ones.
-#[inline(always)]
-pub fn pack_row<T: Real>(re: &[T], im: &[T], row: usize, packed: &mut [T]) {
-    let block = &mut packed[row / ROWS * re.len() * 2 * ROWS..];
-    for ((step, re), im) in block.chunks_exact_mut(2 * ROWS).zip(re).zip(im) {
-        step[row % ROWS] = *re;
-        step[ROWS + row % ROWS] = *im;
-    }
+/// The left operand of a complex product: a piece for every block of [`ROWS`] rows and eight channels, blocks outermost.
+#[derive(Clone, Copy)]
+pub struct Pieces<'a, T> {
+    /// From the first piece on; the last block may hold rows that mean nothing.
+    pub data: &'a [T],
+    /// From one piece to the next.
+    pub stride: usize,
+    /// Rows that mean something.
+    pub rows: usize,
+    /// Length of the inner product, a multiple of [`LANES`].
+    pub inner: usize,
 }
 
 #[inline(always)]
 fn complex_block<T: Real, const CONJUGATE: bool, const FMA: bool>(
-    x: &[T],
+    x: Pieces<T>,
+    first: usize,
     w_re: &[T],
     w_im: &[T],
     stride: usize,
 ) -> [[[T; LANES]; ROWS]; 2] {
     let mut re = [[T::ZERO; LANES]; ROWS];
     let mut im = [[T::ZERO; LANES]; ROWS];
-    for ((step, w_re), w_im) in x.chunks_exact(2 * ROWS).zip(w_re.chunks(stride)).zip(w_im.chunks(stride)) {
-        let (Some(w_re), Some(w_im)) = (w_re.first_chunk::<LANES>(), w_im.first_chunk::<LANES>()) else { break };
-        for row in 0..ROWS {
-            let (a, b) = (step[row], step[ROWS + row]);
-            let (a_signed, b_signed) = if CONJUGATE { (-a, b) } else { (a, -b) };
-            for col in 0..LANES {
-                re[row][col] = multiply_add::<T, FMA>(a, w_re[col], re[row][col]);
-                im[row][col] = multiply_add::<T, FMA>(b, w_re[col], im[row][col]);
-            }
-            for col in 0..LANES {
-                re[row][col] = multiply_add::<T, FMA>(b_signed, w_im[col], re[row][col]);
-                im[row][col] = multiply_add::<T, FMA>(a_signed, w_im[col], im[row][col]);
+    let lines = LANES * stride;
+    for (group, (w_re, w_im)) in w_re.chunks(lines).zip(w_im.chunks(lines)).enumerate() {
+        let Some(x) = x.data[(first + group) * x.stride..].first_chunk::<PIECE>() else { break };
+        for (k, (w_re, w_im)) in w_re.chunks(stride).zip(w_im.chunks(stride)).enumerate().take(LANES) {
+            let (Some(w_re), Some(w_im)) = (w_re.first_chunk::<LANES>(), w_im.first_chunk::<LANES>()) else { break };
+            for row in 0..ROWS {
+                let (a, b) = (x[row * LINE + k], x[row * LINE + LANES + k]);
+                let (a_signed, b_signed) = if CONJUGATE { (-a, b) } else { (a, -b) };
+                for col in 0..LANES {
+                    re[row][col] = multiply_add::<T, FMA>(a, w_re[col], re[row][col]);
+                    im[row][col] = multiply_add::<T, FMA>(b, w_re[col], im[row][col]);
+                }
+                for col in 0..LANES {
+                    re[row][col] = multiply_add::<T, FMA>(b_signed, w_im[col], re[row][col]);
+                    im[row][col] = multiply_add::<T, FMA>(a_signed, w_im[col], im[row][col]);
+                }
             }
         }
     }
     [re, im]
 }
 
-/// `Y = X · W` for complex `X` (`rows × inner`, packed) and `W` (`inner × columns`, a multiple of [`LANES`] columns:
-/// all real parts, then all imaginary ones), or `X · W̄`. `y` holds the real parts (`rows × columns`), then the
-/// imaginary ones.
+/// `Y = X · W` for complex `X` (`rows × inner`) and `W` (`inner × columns`, a multiple of [`LANES`] columns: all real
+/// parts, then all imaginary ones), or `X · W̄`. `y` is `[rows, eight columns, re | im, LANES]`.
 #[inline(always)]
-pub fn complex<T: Real, const CONJUGATE: bool, const FMA: bool>(
-    x: &[T],
-    w: &[T],
-    rows: usize,
-    inner: usize,
-    columns: usize,
-    y: &mut [T],
-) {
-    let (y_re, y_im) = y.split_at_mut(rows * columns);
-    let (w_re, w_im) = w.split_at(inner * columns);
-    for column in (0..columns).step_by(LANES) {
-        let (w_re, w_im) = (&w_re[column..], &w_im[column..]);
-        for (block, x) in x.chunks_exact(inner * 2 * ROWS).enumerate().take(rows.div_ceil(ROWS)) {
-            let [re, im] = complex_block::<T, CONJUGATE, FMA>(x, w_re, w_im, columns);
-            let count = ROWS.min(rows - block * ROWS);
-            let at = block * ROWS * columns + column;
-            store(&re, count, &mut y_re[at..], columns);
-            store(&im, count, &mut y_im[at..], columns);
+pub fn complex<T: Real, const CONJUGATE: bool, const FMA: bool>(x: Pieces<T>, w: &[T], columns: usize, y: &mut [T]) {
+    let (w_re, w_im) = w.split_at(x.inner * columns);
+    // Blocks outermost: the weights of one frequency stay in the cache, the rows pass by once.
+    for (block, y) in y[..x.rows * 2 * columns].chunks_mut(ROWS * 2 * columns).enumerate() {
+        let first = block * (x.inner / LANES);
+        for column in (0..columns).step_by(LANES) {
+            let [re, im] = complex_block::<T, CONJUGATE, FMA>(x, first, &w_re[column..], &w_im[column..], columns);
+            for ((y, re), im) in y.chunks_mut(2 * columns).zip(&re).zip(&im) {
+                let line = &mut y[2 * column..][..LINE];
+                line[..LANES].copy_from_slice(re);
+                line[LANES..].copy_from_slice(im);
+            }
         }
-    }
-}
-
-#[inline(always)]
-fn store<T: Real>(block: &[[T; LANES]; ROWS], count: usize, y: &mut [T], stride: usize) {
-    for (line, row) in block.iter().zip(y.chunks_mut(stride)).take(count) {
-        row[..LANES].copy_from_slice(line);
     }
 }
 
