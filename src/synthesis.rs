@@ -4,6 +4,8 @@
 //! paper's size in a browser) and says what happened. Whoever drives it (command line, worker, test) decides when to
 //! call it again, so pause and cancel need no flags and the page pulls at its own pace.
 
+mod touch;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -29,6 +31,8 @@ use crate::method::{ParameterError, Parameters, Schedule, Weights, bands};
 use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
 use crate::sampling::{Purpose, Rng, poisson_disk, white_noise};
 use crate::{Boundary, Domain};
+
+pub use touch::Redo;
 
 /// The loss of one iteration and its terms, weights included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -65,6 +69,8 @@ pub struct Progress {
     pub restart: u32,
     /// How many tries there may be.
     pub restarts: u32,
+    /// Whether a region is being done again.
+    pub redoing: bool,
     /// Iterations done on this scale.
     pub iteration: u32,
     /// Most iterations this scale may take.
@@ -145,6 +151,9 @@ pub enum SynthesisError {
     /// Values that the output can't carry.
     #[error("these values can't be given to the output's points: {0}")]
     Sources(String),
+    /// Points, places, regions or parameters that the result at hand can't take.
+    #[error("this can't be done to the result: {0}")]
+    Touch(String),
     /// A saved state that does not fit together.
     #[error("the saved state can't be continued: {0}")]
     State(String),
@@ -180,6 +189,13 @@ pub struct Synthesis {
     points: Vec<DVec2>,
     /// For every output point the exemplar point whose attributes it carries.
     sources: Vec<usize>,
+    /// For every output point whether it is held where it is.
+    pinned: Vec<bool>,
+    /// The region that is being done again, and how many there were.
+    redo: Option<Redo>,
+    redos: u32,
+    /// The engine's points as indices into `points`.
+    arranged: Vec<usize>,
     /// Radii of the exemplar's disks in exemplar units, where they are to overlap as they do there.
     radii: Option<Vec<f64>>,
     /// Where each started class begins in `points`, in the order of placing.
@@ -256,6 +272,15 @@ pub struct SynthesisState {
     pub best: Option<Best>,
     /// Whether everything is done.
     pub finished: bool,
+    /// Points that are held where they are, ascending.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pinned: Vec<usize>,
+    /// The region that is being done again.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub redo: Option<Redo>,
+    /// How many regions were done again.
+    #[serde(default)]
+    pub redos: u32,
     /// Adam's moments of the moving points.
     pub adam: Adam,
 }
@@ -299,6 +324,10 @@ impl Synthesis {
             output_domain,
             points: Vec::new(),
             sources: Vec::new(),
+            pinned: Vec::new(),
+            redo: None,
+            redos: 0,
+            arranged: Vec::new(),
             class_starts: Vec::new(),
             turn: 0,
             scale: 0,
@@ -426,20 +455,30 @@ impl Synthesis {
         Err(SynthesisError::Memory { needed_mb: mb(needed), limit_mb: limit / 1_000_000, lower: ways.join(" or ") })
     }
 
-    /// Scatters the points of the class at hand.
+    /// Scatters the points of the class at hand; one that has its points already goes on from them.
     fn begin_class(&mut self) {
-        self.class_starts.push(self.points.len());
-        let class = self.class();
-        let count = self.output_count(class);
-        let mut rng = Rng::new(self.parameters.seed, Purpose::Start(class as u16));
-        let start = match self.parameters.start {
-            Start::PoissonDisk => poisson_disk(&mut rng, self.output_size, count, self.parameters.boundary),
-            Start::WhiteNoise => white_noise(&mut rng, self.output_size, count),
-        };
-        self.points.extend(start);
-        self.deal(class);
         self.scale = 0;
         self.losses.clear();
+        if self.turn < self.class_starts.len() {
+            if self.redo.is_none() {
+                self.scale = self.parameters.restart_scale();
+            }
+            return;
+        }
+        self.class_starts.push(self.points.len());
+        let class = self.class();
+        let mut rng = Rng::new(self.parameters.seed, Purpose::Start(class as u16));
+        self.points.extend(self.scatter(&mut rng, self.output_count(class)));
+        self.deal(class);
+        self.pinned.resize(self.points.len(), false);
+    }
+
+    /// So many points anywhere in the output.
+    fn scatter(&self, rng: &mut Rng, count: usize) -> Vec<DVec2> {
+        match self.parameters.start {
+            Start::PoissonDisk => poisson_disk(rng, self.output_size, count, self.parameters.boundary),
+            Start::WhiteNoise => white_noise(rng, self.output_size, count),
+        }
     }
 
     /// Gives the points of a class that has just begun the attributes of its exemplar points: all of them, repeated as
@@ -507,9 +546,11 @@ impl Synthesis {
 
     fn begin_scale(&mut self) -> Event {
         let seen = self.seen();
+        let (arranged, moving_from) = self.arrangement();
+        let sources: Vec<usize> = arranged.iter().map(|&point| self.sources[point]).collect();
         let setup = ScaleSetup {
             exemplar_weights: self.weights(self.turn + 1, &seen),
-            output_weights: self.weights(self.turn + 1, &self.sources),
+            output_weights: self.weights(self.turn + 1, &sources),
             ..ScaleSetup::new(
                 &self.parameters,
                 &self.schedule.scales[self.scale],
@@ -523,10 +564,10 @@ impl Synthesis {
         let grid = setup.output_view.grid;
         let sigma = setup.output_view.wave.sigma;
         let channels = self.parameters.channels as usize;
-        let moving_from = self.moving_from();
-        let adam = self.resumed.take().unwrap_or_else(|| Adam::new(self.points.len() - moving_from));
+        let adam = self.resumed.take().unwrap_or_else(|| Adam::new(arranged.len() - moving_from));
         let iteration = self.losses.len() as u32;
-        let points = self.points.clone();
+        let points = arranged.iter().map(|&point| self.points[point]).collect();
+        self.arranged = arranged;
         let engine = match &self.gpu {
             Some((gpu, memory)) => {
                 let before = self.gpu_network.take();
@@ -567,6 +608,15 @@ impl Synthesis {
     fn restart_scale(&mut self) {
         if let Some(engine) = self.engine.take() {
             self.resumed = Some(engine.adam().clone());
+        }
+    }
+
+    /// Gives up the engine, but not its filters.
+    fn free_engine(&mut self) {
+        match self.engine.take() {
+            Some(Engine::Cpu(engine)) => self.network = Some(engine.into_network()),
+            Some(Engine::Gpu(engine)) => self.gpu_network = Some(engine.into_network()),
+            None => {}
         }
     }
 
@@ -623,6 +673,9 @@ impl Synthesis {
         if matches!(&self.engine, Some(Engine::Gpu(engine)) if engine.ahead() > most) {
             self.restart_scale();
         }
+        if self.engine.is_none() && self.moving() == 0 {
+            return Ok(self.end_scale());
+        }
         let left = self.schedule.scales[self.scale].iterations - self.losses.len() as u32;
         let Some(engine) = &mut self.engine else { return Ok(self.begin_scale()) };
         match engine.advance(left.min(most)) {
@@ -646,7 +699,9 @@ impl Synthesis {
                 Err(SynthesisError::NotFinite { scale: self.scale, iteration: self.losses.len() as u32 })
             }
             Advance::Iterated(losses) => {
-                self.points.copy_from_slice(engine.points());
+                for (&point, &place) in self.arranged.iter().zip(engine.points()) {
+                    self.points[point] = place;
+                }
                 for loss in losses {
                     self.losses.push(loss.total());
                     self.total_iterations += 1;
@@ -672,31 +727,33 @@ impl Synthesis {
             self.parameters;
         let alignment = if self.scale + 1 == self.schedule.scales.len() { alignment } else { 0 };
         let by_places = spacing_floor > 0.0 || relocation > 0.0 || alignment > 0;
-        if !by_places && value_swaps == 0 && self.radii.is_none() {
+        if (!by_places && value_swaps == 0 && self.radii.is_none()) || self.moving() == 0 {
             return;
         }
         let Ok(exemplar) = self.exemplar_so_far() else { return };
         let Some(limits) = Limits::of(&exemplar) else { return };
-        let first = self.moving_from();
-        let most = (relocation * (self.points.len() - first) as f64).ceil() as usize;
+        let (arranged, first) = self.arrangement();
+        let mut points: Vec<DVec2> = arranged.iter().map(|&point| self.points[point]).collect();
+        let mut sources: Vec<usize> = arranged.iter().map(|&point| self.sources[point]).collect();
+        let most = (relocation * (points.len() - first) as f64).ceil() as usize;
         let relocate = |points: &mut [DVec2]| relocate(points, first, self.output_size, boundary, limits, most);
-        relocate(&mut self.points);
+        relocate(&mut points);
         if alignment > 0 {
-            let classes = self.output_classes();
+            let classes = self.classes_of(&sources);
             for _ in 0..ALIGNMENTS {
-                let before = self.points.clone();
-                align(&mut self.points, &classes, first, self.output_size, boundary, &exemplar, alignment);
-                mend(&mut self.points, &before, self.output_size, boundary, limits);
+                let before = points.clone();
+                align(&mut points, &classes, first, self.output_size, boundary, &exemplar, alignment);
+                mend(&mut points, &before, self.output_size, boundary, limits);
                 // One too many for its row now stands on another, and can go where one is missing.
-                if relocate(&mut self.points) == 0 {
+                if relocate(&mut points) == 0 {
                     break;
                 }
             }
         }
         if value_swaps > 0 {
-            self.exchange_values(&exemplar, value_swaps);
+            self.exchange_values(&exemplar, &points, &mut sources, first, value_swaps);
         }
-        let least = least_distance(limits, spacing_floor, self.output_size, self.points.len());
+        let least = least_distance(limits, spacing_floor, self.output_size, points.len());
         if let Some(radii) = &self.radii {
             // The class that moves has the highest number.
             let turns: Vec<u16> = self.exemplar.classes().iter().map(|&class| self.turn_of(class)).collect();
@@ -704,9 +761,13 @@ impl Synthesis {
             let overlaps = Overlaps::of(&all, radii, self.turn as u16, disk_overlap);
             let disks = Disks { radii, classes: &turns };
             let domain = (self.output_size, boundary);
-            separate(&mut self.points, &mut self.sources, first, domain, disks, &overlaps, least);
+            separate(&mut points, &mut sources, first, domain, disks, &overlaps, least);
         } else if least > 0.0 {
-            keep_apart(&mut self.points, first, self.output_size, boundary, least);
+            keep_apart(&mut points, first, self.output_size, boundary, least);
+        }
+        for ((point, place), source) in arranged.into_iter().zip(points).zip(sources) {
+            self.points[point] = place;
+            self.sources[point] = source;
         }
     }
 
@@ -715,14 +776,15 @@ impl Synthesis {
         self.order.iter().position(|&other| other == usize::from(class)).unwrap_or(0) as u16
     }
 
-    /// Brings the values of the class at hand to where they fit; `exemplar` is [`Self::exemplar_so_far`].
-    fn exchange_values(&mut self, exemplar: &Cloud, sweeps: u32) {
+    /// Brings the values of the points of `first …` to where they fit; `exemplar` is [`Self::exemplar_so_far`].
+    fn exchange_values(&self, exemplar: &Cloud, points: &[DVec2], sources: &mut [usize], first: usize, sweeps: u32) {
         let class = self.class() as u16;
         let Some(values) = Values::of(&self.exemplar, class) else { return };
-        let Ok(output) = self.output_so_far() else { return };
+        let Ok(output) = Cloud::new(points.to_vec(), self.output_size, self.parameters.boundary) else { return };
+        let Ok(output) = output.with_classes(self.classes_of(sources)) else { return };
         let mut rng = Rng::new(self.parameters.seed, Purpose::Exchange { class, scale: self.scale as u16 });
-        let exchange = Exchange::new(&values, (exemplar, &self.seen()), &output, self.moving_from());
-        exchange.run(&mut self.sources, sweeps, &mut rng);
+        let exchange = Exchange::new(&values, (exemplar, &self.seen()), &output, first);
+        exchange.run(sources, sweeps, &mut rng);
     }
 
     /// The exemplar's points of the class at hand and those before it.
@@ -734,16 +796,14 @@ impl Synthesis {
         Cloud::new(positions, size, self.exemplar.boundary())?.with_classes(classes)
     }
 
-    /// Class of every point there is.
-    fn output_classes(&self) -> Vec<u16> {
-        self.sources.iter().map(|&source| self.exemplar.classes()[source]).collect()
+    /// Class of the points that carry these exemplar points' values.
+    fn classes_of(&self, sources: &[usize]) -> Vec<u16> {
+        sources.iter().map(|&source| self.exemplar.classes()[source]).collect()
     }
 
     /// Keeps the better of this try and the best before, and prepares another one if that is wanted and worth it.
     fn try_again(&mut self) -> bool {
-        let first = self.moving_from();
-        let again = self.shaken(first);
-        match again {
+        match self.shaken() {
             Some(points) => {
                 self.points = points;
                 self.restart += 1;
@@ -758,52 +818,61 @@ impl Synthesis {
     }
 
     /// The points of another try; none when there is none. Leaves the best points where they are the last.
-    fn shaken(&mut self, first: usize) -> Option<Vec<DVec2>> {
-        if self.parameters.restarts == 0 {
+    fn shaken(&mut self) -> Option<Vec<DVec2>> {
+        if self.parameters.restarts == 0 || self.moving() == 0 {
             return None;
         }
+        let span = self.moving_from()..self.end();
+        let (arranged, first) = self.arrangement();
         let exemplar = self.exemplar_so_far().ok()?;
         let limits = Limits::of(&exemplar)?;
-        let wrong = wrongness(&self.output_so_far().ok()?, &exemplar, limits);
+        let wrong = wrongness(&self.output_so_far(&arranged).ok()?, &exemplar, limits);
         match &self.best {
             Some(best) if best.wrongness <= wrong => {
-                self.points[first..].copy_from_slice(&best.points);
-                self.sources[first..].copy_from_slice(&best.sources);
+                self.points[span.clone()].copy_from_slice(&best.points);
+                self.sources[span].copy_from_slice(&best.sources);
             }
             _ => {
-                let (points, sources) = (self.points[first..].to_vec(), self.sources[first..].to_vec());
+                let (points, sources) = (self.points[span.clone()].to_vec(), self.sources[span].to_vec());
                 self.best = Some(Best { wrongness: wrong, points, sources });
             }
         }
         if self.restart == self.parameters.restarts {
             return None;
         }
-        let mut points = self.points.clone();
+        let output = self.output_so_far(&arranged).ok()?;
+        let mut moved = output.points().to_vec();
         let purpose = Purpose::Restart { class: self.class() as u16, restart: self.restart };
         let mut rng = Rng::new(self.parameters.seed, purpose);
-        let shaken = shake(&mut points, first, &self.output_so_far().ok()?, &exemplar, limits, &mut rng);
+        let shaken = shake(&mut moved, first, &output, &exemplar, limits, &mut rng);
+        let mut points = self.points.clone();
+        for (&point, place) in arranged.iter().zip(moved) {
+            points[point] = place;
+        }
         (shaken > 0).then_some(points)
     }
 
-    /// The output's points of the class at hand and those before it.
-    fn output_so_far(&self) -> Result<Cloud, AnalysisError> {
-        Cloud::new(self.points.clone(), self.output_size, self.parameters.boundary)?.with_classes(self.output_classes())
+    /// These points of the output.
+    fn output_so_far(&self, points: &[usize]) -> Result<Cloud, AnalysisError> {
+        let places = points.iter().map(|&point| self.points[point]).collect();
+        let sources: Vec<usize> = points.iter().map(|&point| self.sources[point]).collect();
+        Cloud::new(places, self.output_size, self.parameters.boundary)?.with_classes(self.classes_of(&sources))
     }
 
     fn end_scale(&mut self) -> Event {
         self.repair();
         let event = Event::ScaleFinished { progress: self.progress(), converged: self.scale_converged() };
-        match self.engine.take() {
-            Some(Engine::Cpu(engine)) => self.network = Some(engine.into_network()),
-            Some(Engine::Gpu(engine)) => self.gpu_network = Some(engine.into_network()),
-            None => {}
-        }
+        self.free_engine();
         self.losses.clear();
         self.scale += 1;
         if self.scale == self.schedule.scales.len() && !self.try_again() {
             self.scale -= 1;
             self.turn += 1;
-            if self.turn == self.classes() {
+            if self.turn == self.class_starts.len()
+                && let Some(redo) = self.redo.take()
+            {
+                self.end_redo(&redo);
+            } else if self.turn == self.classes() {
                 self.turn -= 1;
                 self.finished = true;
                 self.network = None;
@@ -847,6 +916,17 @@ impl Synthesis {
         self.output_size
     }
 
+    /// The output's points, as indices into [`Self::points`], in the order in which the exemplar lists its classes: that
+    /// of [`Self::output`].
+    #[must_use]
+    pub fn listed(&self) -> Vec<usize> {
+        let mut spans: Vec<_> = self.members.iter().map(|_| 0..0).collect();
+        for (class, span) in self.spans() {
+            spans[class] = span;
+        }
+        spans.into_iter().flatten().collect()
+    }
+
     /// The output as it stands, in the exemplar's own unit, with classes and attributes. Classes that have not begun
     /// are missing from it.
     ///
@@ -856,12 +936,8 @@ impl Synthesis {
         let domain = self.exemplar.domain();
         let unit = domain.exemplar_unit();
         let output_domain = self.output_domain;
-        // Listed as the exemplar lists its classes, in whatever order they are placed.
-        let mut spans: Vec<_> = self.members.iter().map(|_| 0..0).collect();
-        for (class, span) in self.spans() {
-            spans[class] = span;
-        }
-        let listed = || spans.iter().flat_map(Clone::clone);
+        let listed = self.listed();
+        let listed = || listed.iter().copied();
         let positions = listed()
             // The last digit may round over the border.
             .map(|point| (domain.min() + self.points[point] * unit).clamp(output_domain.min(), output_domain.max()))
@@ -902,6 +978,7 @@ impl Synthesis {
             scales: scales.len(),
             restart: self.restart,
             restarts: self.parameters.restarts,
+            redoing: self.is_redoing(),
             iteration,
             iterations: limit,
             total_iterations: self.total_iterations,
@@ -924,7 +1001,7 @@ impl Synthesis {
     /// Everything needed to continue later. An iteration that is only partly done is done again.
     #[must_use]
     pub fn state(&self) -> SynthesisState {
-        let fresh = || Adam::new(self.class_starts.get(self.turn).map_or(0, |start| self.points.len() - start));
+        let fresh = || Adam::new(self.moving());
         let adam = match (&self.engine, &self.resumed) {
             (Some(engine), _) => engine.adam().clone(),
             (None, Some(adam)) => adam.clone(),
@@ -944,6 +1021,9 @@ impl Synthesis {
             restart: self.restart,
             best: self.best.clone(),
             finished: self.finished,
+            pinned: (0..self.points.len()).filter(|&point| self.pinned[point]).collect(),
+            redo: self.redo.clone(),
+            redos: self.redos,
             adam,
         }
     }
@@ -969,15 +1049,20 @@ impl Synthesis {
             return refuse(format!("its scale has {} iterations, but none may have over {longest}", state.iterations));
         }
         run.schedule.scales[state.scale].iterations = state.iterations;
+        // A region done again and a run with changed parameters begin with classes that are all there.
         let mut start = 0;
-        for place in 0..=turn {
+        for place in 0..run.classes() {
+            if place > turn && start >= state.points.len() {
+                break;
+            }
             run.class_starts.push(start);
             start += run.output_count(run.order[place]);
         }
         if state.points.len() != start {
             return refuse(format!("it has {} points, but {start} belong to its classes", state.points.len()));
         }
-        let (size, moving) = (run.output_size, start - run.class_starts[turn]);
+        let of_class = run.class_starts[turn]..run.class_starts.get(turn + 1).copied().unwrap_or(start);
+        let size = run.output_size;
         let inside = |p: &DVec2| p.x >= 0.0 && p.y >= 0.0 && p.x <= size.x && p.y <= size.y;
         if let Some(index) = state.points.iter().position(|point| !inside(point)) {
             return refuse(format!("point {index} lies outside the output"));
@@ -987,9 +1072,32 @@ impl Synthesis {
         {
             return refuse("its losses are not those of this scale".to_owned());
         }
+        let begun = &run.order[..run.class_starts.len()];
+        if let Some(redo) = &state.redo
+            && (redo.points.is_empty()
+                || !redo.points.is_sorted()
+                || redo.points.iter().any(|&point| point >= start)
+                || !begun.contains(&redo.class)
+                || redo.scale >= run.schedule.scales.len()
+                || state.finished)
+        {
+            return refuse("the region that is done again is none of its own".to_owned());
+        }
+        run.turn = turn;
+        run.points = state.points;
+        run.pinned = vec![false; start];
+        for &point in &state.pinned {
+            match run.pinned.get_mut(point) {
+                Some(pinned) => *pinned = true,
+                None => return refuse(format!("it holds point {point}, but there are {start}")),
+            }
+        }
+        run.redo = state.redo;
+        run.redos = state.redos;
+        let moving = run.moving();
         let adam = &state.adam;
         if adam.first.len() != moving || adam.second.len() != moving {
-            return refuse(format!("its optimiser moves {} points, but the class has {moving}", adam.first.len()));
+            return refuse(format!("its optimiser moves {} points, not the {moving} that may move", adam.first.len()));
         }
         if adam.first.iter().chain(&adam.second).any(|v| !v.is_finite())
             || adam.second.iter().any(|v| v.min_element() < 0.0)
@@ -1000,19 +1108,19 @@ impl Synthesis {
             return refuse(format!("it is at try {}, but there are {}", state.restart, run.parameters.restarts));
         }
         if let Some(best) = &state.best
-            && (best.points.len() != moving
-                || best.sources.len() != moving
+            && (best.points.len() != of_class.len()
+                || best.sources.len() != of_class.len()
                 || !best.points.iter().all(inside)
                 || best.wrongness.is_nan())
         {
             return refuse("its best points so far are not those of this class".to_owned());
         }
         run.restart = state.restart;
-        run.points = state.points;
+        let part = |span: std::ops::Range<usize>| state.sources.get(span).unwrap_or(&[]);
         let of_best = state
             .best
             .as_ref()
-            .map(|best| [state.sources.get(..start - moving).unwrap_or(&[]), &best.sources].concat());
+            .map(|best| [part(0..of_class.start), &best.sources, part(of_class.end..start)].concat());
         for sources in [Some(&state.sources), of_best.as_ref()].into_iter().flatten() {
             if let Err(reason) = run.check_sources(sources) {
                 return refuse(format!("of the values that its points carry, {reason}"));
@@ -1020,7 +1128,6 @@ impl Synthesis {
         }
         run.best = state.best;
         run.sources = state.sources;
-        run.turn = turn;
         run.scale = state.scale;
         run.losses = state.losses;
         run.total_iterations = state.total_iterations;

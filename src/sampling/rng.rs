@@ -40,6 +40,13 @@ pub enum Purpose {
         /// Which try, from 0.
         restart: u32,
     },
+    /// The fresh start of a class in a region that is done again.
+    Region {
+        /// Class, from 0.
+        class: u16,
+        /// Which of the run's regions, from 1.
+        redo: u32,
+    },
 }
 
 impl Purpose {
@@ -52,6 +59,7 @@ impl Purpose {
             Self::Analysis(pattern) => (6 << 56) | u64::from(pattern),
             Self::Restart { class, restart } => (7 << 56) | (u64::from(class) << 32) | u64::from(restart),
             Self::Exchange { class, scale } => (8 << 56) | (u64::from(class) << 16) | u64::from(scale),
+            Self::Region { class, redo } => (9 << 56) | (u64::from(class) << 32) | u64::from(redo),
             Self::Jitter { class, scale, iteration } => {
                 (5 << 56) | (u64::from(class & 0xff) << 48) | (u64::from(scale) << 32) | u64::from(iteration)
             }

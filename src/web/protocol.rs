@@ -57,6 +57,33 @@ pub enum Request {
         /// How many iterations to complete at most; 1 is a single step.
         max_iterations: u32,
     },
+    /// Moves points, holds them where they are or lets them go; indices are those of [`Points`]. Answered by
+    /// [`Response::Batch`].
+    Touch {
+        /// Which points.
+        #[serde(with = "typed_array::words")]
+        points: Vec<u16>,
+        /// Where to, `x, y, x, y, …` in exemplar units; none: they stay where they are.
+        #[serde(with = "typed_array::doubles")]
+        positions: Vec<f64>,
+        /// Whether they are held from now on.
+        pinned: bool,
+    },
+    /// Erases what lies in a region and does it again while the rest stays. Answered by [`Response::Batch`].
+    Resynthesize {
+        /// Corners of a polygon, `x, y, x, y, …` in exemplar units.
+        #[serde(with = "typed_array::doubles")]
+        region: Vec<f64>,
+    },
+    /// Goes on with other parameters from the points as they are; if it is refused, the run stays as it is. Answered by
+    /// [`Response::Started`].
+    Continue {
+        /// Name of a preset.
+        preset: String,
+        /// Parameters that differ from the preset, under their names in files and links.
+        #[serde(default)]
+        overrides: Map<String, Value>,
+    },
     /// How well the output as it stands reproduces the exemplar, in curves, numbers and words. Answered by
     /// [`Response::Analyzed`].
     Analyze {},
@@ -364,6 +391,9 @@ pub struct Points {
     /// How far behind every point stands; empty when the pattern gives none.
     #[serde(with = "typed_array::floats")]
     pub depths: Vec<f32>,
+    /// Which points are held where they are; a `Uint16Array` on the page.
+    #[serde(with = "typed_array::words")]
+    pub pinned: Vec<u16>,
 }
 
 /// The statistics of one side.

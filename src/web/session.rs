@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
 use serde_json::{Map, Value};
 use thiserror::Error;
 
@@ -209,6 +210,9 @@ impl Session {
                 .map(|exemplar| Response::Opened { exemplar: view(&exemplar), pattern: Box::new((&exemplar).into()) }),
             Request::Start { exemplar, preset, overrides } => self.start(exemplar, &preset, overrides),
             Request::Run { budget_ms, max_iterations } => self.advance(budget_ms, max_iterations, now_ms),
+            Request::Touch { points, positions, pinned } => self.touch(&points, &positions, pinned),
+            Request::Resynthesize { region } => self.resynthesize(&region),
+            Request::Continue { preset, overrides } => self.continue_with(&preset, overrides),
             Request::Analyze {} => self.analyze(now_ms),
             Request::Export {} => self.export(),
             Request::Save {} => self.save(),
@@ -229,6 +233,43 @@ impl Session {
         self.adopt(Synthesis::resume(state, MEMORY_LIMIT)?)
     }
 
+    fn continue_with(&mut self, preset: &str, overrides: Map<String, Value>) -> Result<Response, Refusal> {
+        let synthesis = &self.run.as_ref().ok_or(Refusal::NoRun)?.synthesis;
+        let parameters = parameters(preset, synthesis.exemplar(), overrides)?;
+        let synthesis = synthesis.continue_with(parameters, MEMORY_LIMIT)?;
+        self.adopt(synthesis)
+    }
+
+    fn touch(&mut self, points: &[u16], positions: &[f64], pinned: bool) -> Result<Response, Refusal> {
+        let synthesis = &mut self.run.as_mut().ok_or(Refusal::NoRun)?.synthesis;
+        let listed = synthesis.listed();
+        // One that is not there is refused with what it is.
+        let points: Vec<usize> = points
+            .iter()
+            .map(|&point| usize::from(point))
+            .map(|point| listed.get(point).copied().unwrap_or(point))
+            .collect();
+        if !positions.is_empty() {
+            synthesis.move_points(&points, &pairs(positions))?;
+        }
+        synthesis.pin(&points, pinned)?;
+        self.moved()
+    }
+
+    fn resynthesize(&mut self, region: &[f64]) -> Result<Response, Refusal> {
+        let run = self.run.as_mut().ok_or(Refusal::NoRun)?;
+        run.synthesis.redo_region(&pairs(region))?;
+        // The way ahead is another one.
+        (run.finished, run.ms_per_run) = (false, None);
+        run.done = run.synthesis.progress().done;
+        self.moved()
+    }
+
+    /// Tells the page of points that a hand has moved.
+    fn moved(&mut self) -> Result<Response, Refusal> {
+        self.batch(Pull { end: 0.0, before: 0.0, left: 0, moved: true, events: Vec::new() })
+    }
+
     fn adopt(&mut self, mut synthesis: Synthesis) -> Result<Response, Refusal> {
         // The run before may have been too large for the device.
         self.change = self.gpu.as_ref().map(|gpu| (self.gpu_view(gpu), None));
@@ -236,7 +277,10 @@ impl Session {
         let exemplar = synthesis.exemplar();
         let response = Response::Started {
             exemplar: view(exemplar),
-            output: Box::new(view_beside(&synthesis.output()?, exemplar)),
+            output: Box::new(PatternView {
+                points: output_points(&synthesis)?,
+                ..view_beside(&synthesis.output()?, exemplar)
+            }),
             parameters: Box::new(synthesis.parameters().clone()),
             progress: synthesis.progress(),
         };
@@ -293,7 +337,7 @@ impl Session {
         let run = self.run.as_ref().ok_or(Refusal::NoRun)?;
         let progress: Progress = run.synthesis.progress();
         let moved = pull.moved || run.finished;
-        let points = if moved { Some(points(&run.synthesis.output()?, run.synthesis.exemplar())) } else { None };
+        let points = if moved { Some(output_points(&run.synthesis)?) } else { None };
         Ok(Response::Batch {
             events: pull.events,
             progress,
@@ -628,7 +672,18 @@ fn points(pattern: &PointPattern, exemplar: &PointPattern) -> Points {
         scales: narrow(look.scales),
         turns: narrow(look.turns),
         depths: narrow(look.depths),
+        pinned: Vec::new(),
     }
+}
+
+fn output_points(synthesis: &Synthesis) -> Result<Points, Refusal> {
+    let held = synthesis.pinned();
+    let pinned = (0..).zip(synthesis.listed()).filter(|&(_, point)| held[point]).map(|(place, _)| place).collect();
+    Ok(Points { pinned, ..points(&synthesis.output()?, synthesis.exemplar()) })
+}
+
+fn pairs(numbers: &[f64]) -> Vec<DVec2> {
+    numbers.chunks_exact(2).map(DVec2::from_slice).collect()
 }
 
 #[cfg(test)]
@@ -874,6 +929,58 @@ mod tests {
     }
 
     #[test]
+    fn points_are_touched_by_their_place_in_the_list() {
+        let mut session = Session::new();
+        let mut request = tiny(2);
+        // Two classes, placed in the other order than listed.
+        request["exemplar"]["name"] = json!("repelling");
+        request["overrides"]["class-order"] = json!("most-first");
+        let started = ask(&mut session, request);
+        assert_eq!(started["type"], "started", "{started}");
+        run(&mut session, u32::MAX);
+        let touch = json!({ "type": "touch", "points": [1, 3], "positions": [0.25, 0.5, 0.75, 1.25], "pinned": true });
+        let touched = ask(&mut session, touch);
+        assert_eq!((&touched["type"], &touched["finished"]), (&json!("batch"), &json!(true)), "{touched}");
+        assert_eq!(touched["points"]["pinned"], json!([1, 3]));
+        let places = touched["points"]["positions"].as_array().unwrap();
+        assert_eq!([&places[2], &places[3], &places[6], &places[7]], [0.25, 0.5, 0.75, 1.25]);
+
+        let region = json!({ "type": "resynthesize", "region": [0.0, 0.0, 0.5, 0.0, 0.5, 0.8, 0.0, 0.8] });
+        let redone = ask(&mut session, region);
+        assert_eq!((&redone["finished"], &redone["progress"]["redoing"]), (&json!(false), &json!(true)), "{redone}");
+        let rest = run(&mut session, u32::MAX);
+        assert_eq!((&rest["finished"], &rest["progress"]["redoing"]), (&json!(true), &json!(false)), "{rest}");
+        let before: Vec<Vec<f64>> =
+            serde_json::from_value(places.chunks(2).map(|place| json!(place)).collect::<Value>()).unwrap();
+        let after = rest["points"]["positions"].as_array().unwrap();
+        let (mut same, mut other) = (0, 0);
+        for (place, now) in before.iter().zip(after.chunks(2)) {
+            let inside = place[0] < 0.5 && place[1] < 0.8 && place != &[0.25, 0.5];
+            *(if json!(place) == json!(now) { &mut same } else { &mut other }) += 1;
+            assert_eq!(json!(place) != json!(now), inside, "{place:?} {now:?}");
+        }
+        assert!(same > 5 && other > 5, "{same} {other}");
+
+        let overrides = |expansion: f64| {
+            json!({
+                "expansion-x": 1.0, "expansion-y": expansion, "channels": 8.0, "grid-min": 16, "grid-max": 16,
+                "iterations-fine": 2, "seed": 9, "boundary": "open", "class-order": "most-first",
+            })
+        };
+        let request = json!({ "type": "continue", "preset": "fast", "overrides": overrides(1.5) });
+        let continued = ask(&mut session, request);
+        assert_eq!(
+            (&continued["type"], &continued["parameters"]["channels"]),
+            (&json!("started"), &json!(8)),
+            "{continued}"
+        );
+        assert_eq!(continued["output"]["points"], rest["points"], "it starts from what is there");
+        let request = json!({ "type": "continue", "preset": "fast", "overrides": overrides(2.0) });
+        let refused = ask(&mut session, request);
+        assert!(refused["message"].as_str().unwrap().contains("another size needs another start"), "{refused}");
+    }
+
+    #[test]
     fn refusals_say_why_and_leave_the_run_alone() {
         let mut session = Session::new();
         let refused = |answer: &Value, part: &str| {
@@ -885,6 +992,9 @@ mod tests {
             json!({ "type": "save" }),
             json!({ "type": "analyze" }),
             json!({ "type": "export" }),
+            json!({ "type": "touch", "points": [0], "positions": [], "pinned": true }),
+            json!({ "type": "resynthesize", "region": [0, 0, 1, 0, 1, 1] }),
+            json!({ "type": "continue", "preset": "fast" }),
         ] {
             refused(&ask(&mut session, request), "no run");
         }
@@ -903,6 +1013,11 @@ mod tests {
             (start(rings(), "fast", json!({ "boundary": "leaky" })), "leaky"),
             (start(rings(), "fast", json!({ "grid-min": 64, "grid-max": 32 })), "'grid-min'"),
             (json!({ "type": "resume", "state": "{}" }), "saved state"),
+            (json!({ "type": "touch", "points": [60000], "positions": [], "pinned": true }), "no point 60000"),
+            (json!({ "type": "touch", "points": [0], "positions": [7, 7], "pinned": true }), "outside the output"),
+            (json!({ "type": "touch", "points": [0], "positions": [7], "pinned": true }), "0 places for 1 points"),
+            (json!({ "type": "resynthesize", "region": [0, 0, 1, 1] }), "three corners"),
+            (json!({ "type": "resynthesize", "region": [7, 7, 8, 7, 8, 8] }), "no point in this region"),
         ];
         for (request, part) in cases {
             refused(&ask(&mut session, request), part);

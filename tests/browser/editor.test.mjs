@@ -43,7 +43,7 @@ async function drawing(page) {
 /** @param {Page} page */
 const count = async (page) => (await drawing(page)).classes.length;
 /** @param {Page} page */
-const canvas = (page) => page.getByRole('application');
+const canvas = (page) => page.getByRole('application', { name: /^The exemplar/ });
 /** @param {Page} page */
 const says = (page) => page.locator('#editor-status').innerText();
 

@@ -1,6 +1,7 @@
 // @ts-check
 /** The playground: wires the controls, the worker and the canvases together. */
 import { areThings, drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { Compare } from './compare.js';
 import { Editor } from './editor.js';
 import { Host, applyEmbedOptions, embedOptions } from './embed.js';
 import { Engine } from './engine.js';
@@ -16,6 +17,7 @@ import { Session, fillForm, readForm } from './session.js';
 import { Share, isLink } from './share.js';
 import { Stage } from './stage.js';
 import { Statistics } from './statistics.js';
+import { Touch } from './touch.js';
 import { Take } from './take.js';
 import { duration, points, times } from './words.js';
 import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
@@ -70,6 +72,8 @@ const stage = new Stage(look);
 const engine = new Engine(link, { announce, checks: (checks) => void (run.shares = checks) });
 const run = new Run(link, { started: onStarted, batch: onBatch, status: onStatus, refused: complain, saved: keepSession });
 
+const touch = new Touch(stage, run, announce);
+const compare = new Compare(stage, link, { announce, turned: () => (showProgress(null, null), touch.changed()) });
 const statistics = new Statistics(link, { status: () => run.status, announce });
 
 /** A page in a frame is its host's to keep. */
@@ -149,17 +153,22 @@ function unnotify() {
   element('notices').replaceChildren();
 }
 
-/** @param {string} message a sentence of the library; those begin small and have no full stop */
-function complain(message) {
-  complainAbout('', message.charAt(0).toUpperCase() + message.slice(1));
+/**
+ * @param {string} message a sentence of the library; those begin small and have no full stop
+ * @param {boolean} [onward] whether the points were to be kept
+ */
+function complain(message, onward) {
+  const offer = onward ? { label: 'Start anew', act: () => void begin(true) } : undefined;
+  complainAbout('', message.charAt(0).toUpperCase() + message.slice(1), offer);
 }
 
 /**
  * @param {string} start what must stay as it is, such as a file's name
  * @param {string} message
+ * @param {Parameters<typeof notify>[1]} [offer]
  */
-function complainAbout(start, message) {
-  notify(start + message + (/[.!?]$/.test(message) ? '' : '.'));
+function complainAbout(start, message, offer) {
+  notify(start + message + (/[.!?]$/.test(message) ? '' : '.'), offer);
 }
 
 /** @param {string} text for those who do not see the canvas move */
@@ -197,6 +206,8 @@ function onStarted(started) {
   look.show(started.exemplar);
   shown = started.exemplar;
   stage.show(started.exemplar, started.output);
+  touch.started();
+  compare.started(started.parameters, chosen.source);
   if (chosen.source.source !== 'gallery' && !ownCard(chosen.value ?? 'own')) showOwn(chosen, started.exemplar);
   const { exemplar, output } = started;
   const outputCount = output.points.classes.length;
@@ -229,6 +240,7 @@ function onBatch(batch) {
   if (batch.engine) engine.change(batch.engine, batch.note);
   if (batch.points) {
     stage.move(batch.points);
+    touch.changed();
     statistics.moved();
   }
   showProgress(batch.iterationsPerSecond, batch.secondsLeft);
@@ -242,12 +254,12 @@ function onBatch(batch) {
  */
 function showProgress(iterationsPerSecond, secondsLeft) {
   if (!progress) return;
-  const { class: klass, turn, classes, scale, scales, restart, restarts, iteration, iterations } = progress;
+  const { class: klass, turn, classes, scale, scales, restart, restarts, redoing, iteration, iterations } = progress;
   const { totalIterations, done } = progress;
   const finished = run.status === 'finished';
   const playing = run.status === 'playing';
   const part = classes > 1 ? `Class ${turn + 1} of ${classes} (${classNames[klass] ?? ''}) · ` : '';
-  const again = restart > 0 ? ` · Mending the worst, ${restart} of ${restarts}` : '';
+  const again = redoing ? ' · Redoing a region' : restart > 0 ? ` · Mending the worst, ${restart} of ${restarts}` : '';
   element('fact-scale').textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}${again}`;
   element('fact-iteration').textContent = `Iteration ${totalIterations}`;
   engine.speed = playing ? iterationsPerSecond : null;
@@ -272,7 +284,9 @@ function showProgress(iterationsPerSecond, secondsLeft) {
   bar.setAttribute('aria-valuetext', words);
   element('output-canvas').setAttribute(
     'aria-label',
-    `The result: ${points(stage.positions.length / 2)} with the structure of ${chosen.title}. ${words}.`,
+    stage.showsKept
+      ? 'A, the result that was kept.'
+      : `The result: ${points(stage.positions.length / 2)} with the structure of ${chosen.title}. ${words}.`,
   );
 }
 
@@ -286,8 +300,14 @@ function onStatus(status) {
     does === 'pause' ? 'Pause' : does === 'again' ? 'Run again' : continues ? 'Continue' : 'Run';
   element('step').toggleAttribute('disabled', status === 'finished' || status === 'stopped' || status === 'empty');
   if (status !== 'playing') showProgress(null, null);
-  if (status === 'finished') announce('Finished.');
+  if (status === 'finished') {
+    announce('Finished.');
+    compare.finished();
+  }
+  // What is still playing goes on by itself.
+  element('go-on').toggleAttribute('disabled', status !== 'finished' && status !== 'paused');
   document.body.dataset.status = status;
+  touch.changed();
   host.tell('status');
   statistics.turned();
 }
@@ -353,6 +373,9 @@ function readSeed() {
 /** @type {ReturnType<typeof setTimeout> | undefined} */
 let settling;
 
+/** Whether a change of settings keeps the points. */
+const keepsPoints = /** @type {HTMLInputElement} */ (element('keep-points'));
+
 /** A preset to begin with; the page's own come with the worker's first answer. */
 let firstPreset = 'fast';
 
@@ -398,25 +421,33 @@ element('beyond-clear').addEventListener('click', () => {
   beginSoon();
 });
 
-/** Starts a run with the settings as they are. @param {boolean} play */
-function begin(play) {
+/**
+ * Starts a run with the settings as they are.
+ *
+ * @param {boolean} play
+ * @param {boolean} [onward] from the points as they are
+ */
+function begin(play, onward = false) {
   clearTimeout(settling);
   const seed = readSeed();
   if (seed === null) {
     complain(`the seed must be a whole number between 0 and ${LARGEST_SEED}`);
     return Promise.resolve(false);
   }
-  return run.start(planned(seed), play);
+  const plan = planned(seed);
+  return onward ? run.continueWith(plan) : run.start(plan, play);
 }
 
-function beginSoon() {
+/** @param {boolean} [onward] whether the points may be kept */
+function beginSoon(onward = true) {
   clearTimeout(settling);
   settling = setTimeout(() => {
     unnotify();
     leaveLink();
-    void begin(true);
+    void begin(true, onward && keepsPoints.checked && run.status !== 'empty' && run.status !== 'stopped');
   }, SETTLE_MS);
 }
+element('go-on').addEventListener('click', () => void begin(true, true));
 
 function showSliders() {
   element('expansion-x-value').textContent = times(Number(beyond['expansion-x'] ?? slideX.value));
@@ -470,6 +501,7 @@ element('dice').addEventListener('click', () => {
 });
 element('tiles').addEventListener('change', (event) => {
   stage.tiles = /** @type {HTMLInputElement} */ (event.target).checked;
+  touch.changed();
 });
 settings.addEventListener('submit', (event) => {
   event.preventDefault();
@@ -571,7 +603,7 @@ function choose(choice, boundary) {
   isPrivate = choice.source.source !== 'gallery' && choice.isOwn === true;
   setBoundary(boundary);
   overrule('boundary');
-  beginSoon();
+  beginSoon(false);
 }
 
 /** What the gallery's exemplars are called. @type {Map<string, Chosen>} */
@@ -920,7 +952,7 @@ function waitForPerson(exemplar, all, notes, cost) {
   const boundary = all['boundary'] === 'periodic' ? 'periodic' : 'open';
   const size = /** @type {[number, number]} */ ([exemplar.size[0] * x, exemplar.size[1] * y]);
   const nothing = new Float32Array();
-  const none = { positions: nothing, classes: new Uint16Array(), radii: nothing, scales: nothing, turns: nothing, depths: nothing };
+  const none = { positions: nothing, classes: new Uint16Array(), radii: nothing, scales: nothing, turns: nothing, depths: nothing, pinned: new Uint16Array() };
   stage.show(exemplar, { ...exemplar, points: none, size, boundary });
   element('exemplar-title').textContent = chosen.title;
   element('exemplar-caption').textContent = chosen.caption;
@@ -1100,6 +1132,10 @@ Object.assign(window, {
     },
     get engine() {
       return engine.view;
+    },
+    /** Which points are pinned, in the order of `positions`. */
+    get pinned() {
+      return Array.from(stage.pinned);
     },
     /** The glyph and colour of every class of the exemplar, and what is chosen for files. */
     get look() {

@@ -22,12 +22,16 @@
 /** @typedef {{ type: 'open', exemplar: Source }} OpenRequest */
 /** @typedef {{ type: 'start', exemplar: Source, preset: string, overrides: Record<string, number | string> }} StartRequest */
 /** @typedef {{ type: 'run', budgetMs: number, maxIterations: number }} RunRequest */
+/** Indices are those of `Points`; without positions the points stay where they are. @typedef {{ type: 'touch', points: Uint16Array, positions: Float64Array, pinned: boolean }} TouchRequest */
+/** Corners of a polygon, x, y, x, y, … @typedef {{ type: 'resynthesize', region: Float64Array }} ResynthesizeRequest */
+/** @typedef {{ type: 'continue', preset: string, overrides: Record<string, number | string> }} ContinueRequest */
 /** @typedef {{ type: 'analyze' }} AnalyzeRequest */
 /** @typedef {{ type: 'export' }} ExportRequest */
 /** @typedef {{ type: 'save' }} SaveRequest */
 /** @typedef {{ type: 'resume', state: string }} ResumeRequest */
 /**
- * @typedef {DescribeRequest | EngineRequest | GalleryRequest | OpenRequest | StartRequest | RunRequest | AnalyzeRequest | ExportRequest
+ * @typedef {DescribeRequest | EngineRequest | GalleryRequest | OpenRequest | StartRequest | RunRequest | TouchRequest
+ *   | ResynthesizeRequest | ContinueRequest | AnalyzeRequest | ExportRequest
  *   | SaveRequest | ResumeRequest} Request
  */
 
@@ -58,7 +62,7 @@
 /**
  * Which answer belongs to which question.
  * @typedef {{ describe: DescriptionResponse, engine: EngineResponse, gallery: GalleryResponse, open: OpenedResponse, start: StartedResponse,
- *   run: BatchResponse, analyze: AnalyzedResponse, export: ExportedResponse, save: SavedResponse, resume: StartedResponse }} Answers
+ *   run: BatchResponse, touch: BatchResponse, resynthesize: BatchResponse, continue: StartedResponse, analyze: AnalyzedResponse, export: ExportedResponse, save: SavedResponse, resume: StartedResponse }} Answers
  */
 
 // What they hold.
@@ -71,7 +75,7 @@
 /**
  * The last four are empty where the pattern does not say; see `src/web/protocol.rs` for their units.
  * @typedef {{ positions: Float32Array, classes: Uint16Array, radii: Float32Array, scales: Float32Array,
- *   turns: Float32Array, depths: Float32Array }} Points
+ *   turns: Float32Array, depths: Float32Array, pinned: Uint16Array }} Points
  */
 /**
  * @typedef {{ points: Points, classNames: string[], looks: ClassLookView[], size: [number, number], min: [number, number], unit: number,
@@ -85,7 +89,7 @@
 /** @typedef {{ stacked: number, holes: number, border: number | null }} DefectsView */
 /** @typedef {Record<string, number | string>} Parameters */
 /**
- * @typedef {{ class: number, turn: number, classes: number, scale: number, scales: number, restart: number, restarts: number,
+ * @typedef {{ class: number, turn: number, classes: number, scale: number, scales: number, restart: number, restarts: number, redoing: boolean,
  *   iteration: number, iterations: number, totalIterations: number, done: number }} Progress
  */
 /** @typedef {{ gram: [number, number, number], correlation: number }} LossTerms */

@@ -35,6 +35,7 @@ export function viewOf(pattern) {
       scales: new Float32Array(),
       turns: new Float32Array(),
       depths: new Float32Array(),
+      pinned: new Uint16Array(),
     },
     looks: pattern.classNames.map((_, color) => ({ glyph: MARKS[color % MARKS.length], color })),
     classNames: pattern.classNames,

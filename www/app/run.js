@@ -25,7 +25,7 @@ import { Refused, WorkerDied } from './worker-link.js';
  * @property {(started: StartedResponse) => void} started
  * @property {(batch: BatchResponse) => void} batch
  * @property {(status: Status) => void} status
- * @property {(message: string) => void} refused
+ * @property {(message: string, onward?: boolean) => void} refused `onward`: what was to go on from the points as they are
  * @property {(state: string) => void} saved the run as it is now, to continue from another time
  */
 
@@ -133,6 +133,62 @@ export class Run {
   /** The same run from its first iteration. */
   again() {
     return this.#plan ? this.start(this.#plan, true) : Promise.resolve(false);
+  }
+
+  /**
+   * Goes on with other settings from the points as they are. If it is refused, the run stays as it is.
+   *
+   * @param {Plan} plan
+   */
+  async continueWith(plan) {
+    const epoch = this.#epoch;
+    this.#loop = null;
+    const playing = this.#status === 'playing';
+    try {
+      const { preset, overrides } = plan;
+      const started = await this.#link.ask({ type: 'continue', preset, overrides });
+      if (epoch !== this.#epoch) return false;
+      this.#epoch++;
+      this.#plan = plan;
+      this.#adopt(started, true);
+      return true;
+    } catch (error) {
+      if (epoch !== this.#epoch) return false;
+      if (!(error instanceof Refused)) {
+        this.#fail(error);
+        return false;
+      }
+      this.#hooks.refused(error.message, true);
+      if (playing && this.#status === 'playing') {
+        this.#become('paused');
+        this.play();
+      }
+      return false;
+    }
+  }
+
+  /**
+   * Puts a hand on the result. A region to be done again sets a run going that was done.
+   *
+   * @param {import('./messages.js').TouchRequest | import('./messages.js').ResynthesizeRequest} request
+   * @returns {Promise<boolean>} whether it was done
+   */
+  async touch(request) {
+    const epoch = this.#epoch;
+    try {
+      const batch = await this.#link.ask(request);
+      if (epoch !== this.#epoch) return false;
+      if (this.#status === 'finished' && !batch.finished) this.#become('paused');
+      this.#hooks.batch(batch);
+      void this.#save();
+      if (request.type === 'resynthesize') this.play();
+      return true;
+    } catch (error) {
+      // The run goes on as it was.
+      if (error instanceof Refused) this.#hooks.refused(error.message);
+      else if (!(error instanceof WorkerDied)) throw error;
+      return false;
+    }
   }
 
   /** Continues from the last saved state, in a new worker if the old one died. */

@@ -20,6 +20,8 @@ const PICTURE_MARGIN = 0.02;
 const CAPTION_WIDTH = 170;
 /** While the exemplar is edited the editor takes its place; this share of the width is left for the result. */
 const RESULT_SHARE = 0.37;
+/** Narrower than this, the result kept is only seen in the place of the one at hand. */
+const APART_FROM = 740;
 /** The editor needs more width to have the result beside it. */
 const STACK_EDITOR_BELOW = 680;
 
@@ -27,6 +29,8 @@ export class Stage {
   #figures = /** @type {HTMLElement} */ (document.getElementById('figures'));
   #exemplarCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('exemplar-canvas'));
   #outputCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('output-canvas'));
+  /** What there is to touch the result with. */
+  #tools = /** @type {HTMLElement} */ (document.getElementById('touch'));
   #colours = readColours();
   /** Where the page is as high as the window, the figures must fit into what is left of it; see the style sheet. */
   #fits = matchMedia('(min-width: 1120px)');
@@ -43,12 +47,24 @@ export class Stage {
   #frame = 0;
   #lastFrame = 0;
 
+  /** The result kept for comparison. @type {PatternView | null} */
+  #kept = null;
+  /** Whether that is drawn in the result's place. */
+  #showsKept = false;
+  #keptCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('kept-canvas'));
+  /** A point in a hand, and where that is. @type {{ index: number, place: [number, number] } | null} */
+  #held = null;
+  /** Draws over the result. @type {(context: CanvasRenderingContext2D) => void} */
+  overlay = () => {};
+
   #look;
 
   /** @param {import('./look.js').Look} look */
   constructor(look) {
     this.#look = look;
-    new ResizeObserver(() => this.#layout()).observe(this.#figures);
+    const resized = new ResizeObserver(() => this.#layout());
+    resized.observe(this.#figures);
+    resized.observe(this.#tools);
     window.addEventListener('themechange', () => this.restyle());
   }
 
@@ -61,6 +77,128 @@ export class Stage {
   /** Where the points are, in exemplar units. */
   get positions() {
     return this.#output?.points.positions ?? new Float32Array();
+  }
+
+  /** Which of the points are pinned. */
+  get pinned() {
+    return this.#output?.points.pinned ?? new Uint16Array();
+  }
+
+  /** Whether a place on the canvas is one place in the pattern. */
+  get touchable() {
+    return this.#output !== null && !this.#showsKept && !(this.#tiles && this.#output.boundary === 'periodic');
+  }
+
+  get showsKept() {
+    return this.#showsKept;
+  }
+
+  /** @param {boolean} shows whether the result that was kept is drawn in the place of the one at hand */
+  set showsKept(shows) {
+    this.#showsKept = shows && this.#kept !== null;
+    this.#drawOutput();
+  }
+
+  /** Pixels an exemplar unit. */
+  get scale() {
+    return this.#scale;
+  }
+
+  /** The exemplar's mean spacing in exemplar units. */
+  get spacing() {
+    return this.#exemplar?.spacing ?? 0.05;
+  }
+
+  /** Radius of a mark in pixels. */
+  get radius() {
+    return markRadius(this.spacing, this.#scale);
+  }
+
+  /**
+   * Where a point of the window lies, in exemplar units.
+   *
+   * @param {number} clientX
+   * @param {number} clientY
+   * @returns {[number, number]}
+   */
+  place(clientX, clientY) {
+    const { left, top } = this.#outputCanvas.getBoundingClientRect();
+    return [(clientX - left - MARGIN) / this.#scale, (clientY - top - MARGIN) / this.#scale];
+  }
+
+  /** @param {[number, number]} place @returns {[number, number]} where it is drawn */
+  toCanvas([x, y]) {
+    return [MARGIN + x * this.#scale, MARGIN + y * this.#scale];
+  }
+
+  /** @param {number} index */
+  drawnAt(index) {
+    return this.toCanvas([this.#drawn[2 * index], this.#drawn[2 * index + 1]]);
+  }
+
+  /**
+   * The nearest place in the output: on the border, or in a tile where it comes in again.
+   *
+   * @param {[number, number]} place
+   * @returns {[number, number]}
+   */
+  inside(place) {
+    if (!this.#output) return place;
+    const { size, boundary } = this.#output;
+    const [x, y] = place.map((value, axis) =>
+      boundary === 'periodic' ? value - size[axis] * Math.floor(value / size[axis]) : Math.min(Math.max(value, 0), size[axis]),
+    );
+    return [x, y];
+  }
+
+  /**
+   * The point drawn nearest to a place, within `reach` pixels; −1 where there is none.
+   *
+   * @param {[number, number]} place
+   * @param {number} reach
+   */
+  pointAt([x, y], reach) {
+    let [best, least] = [-1, (reach / this.#scale) ** 2];
+    for (let i = 0; i < this.#drawn.length / 2; i++) {
+      const distance = (this.#drawn[2 * i] - x) ** 2 + (this.#drawn[2 * i + 1] - y) ** 2;
+      if (distance <= least) [best, least] = [i, distance];
+    }
+    return best;
+  }
+
+  nearestToMiddle() {
+    const [width, height] = this.#output?.size ?? [0, 0];
+    return this.pointAt([width / 2, height / 2], Number.POSITIVE_INFINITY);
+  }
+
+  /**
+   * Draws a point where a hand is until it is let go of.
+   *
+   * @param {number} index negative: none
+   * @param {[number, number]} place
+   */
+  hold(index, place = [0, 0]) {
+    this.#held = index < 0 ? null : { index, place };
+    this.#animate();
+  }
+
+  redraw() {
+    this.#animate();
+  }
+
+  /** Keeps the result as it is now, to be seen beside the next. */
+  keep() {
+    if (!this.#output) return;
+    const { points } = this.#output;
+    this.#kept = { ...this.#output, points: { ...points, positions: points.positions.slice() } };
+    this.#layout();
+  }
+
+  unkeep() {
+    if (!this.#kept) return;
+    this.#kept = null;
+    this.#showsKept = false;
+    this.#layout();
   }
 
   /**
@@ -144,33 +282,43 @@ export class Stage {
     if (!this.#exemplar || !this.#output) return;
     const { clientWidth: width, clientHeight: height } = this.#figures;
     const [exemplarWidth, exemplarHeight] = this.#exemplar.size;
-    const [outputWidth, outputHeight] = this.#output.size;
     const figure = /** @type {HTMLElement} */ (this.#exemplarCanvas.parentElement);
     const alone = figure.offsetParent === null && !this.#editing;
     const stacked = width < (this.#editing ? STACK_EDITOR_BELOW : STACK_BELOW) && !alone;
     this.#figures.dataset.shape = stacked ? 'stacked' : 'beside';
+    const apart = this.#kept !== null && !stacked && !alone && !this.#editing && width >= APART_FROM;
+    this.#figures.toggleAttribute('data-apart', apart);
+    const [keptWidth, keptHeight] = this.#kept?.size ?? [0, 0];
+    const outputHeight = Math.max(this.#output.size[1], keptHeight);
+    // Where the one stands in the other's place, there must be room for both.
+    const outputWidth = apart ? this.#output.size[0] : Math.max(this.#output.size[0], keptWidth);
     const head = 30;
     // A frame is as high as it is.
     const framed = document.documentElement.hasAttribute('data-embed');
     const room = this.#fits.matches || framed ? Math.max(height, framed ? 120 : 300) : 0.8 * window.innerHeight;
+    // Beside each other, the figures have the tools below them all.
+    const below = stacked ? 0 : this.#tools.offsetHeight;
+    this.#figures.style.paddingBottom = `${below}px`;
     let scale;
     if (alone) {
-      scale = Math.min((width - 2 * MARGIN) / outputWidth, (room - head - 2 * MARGIN) / outputHeight);
+      scale = Math.min((width - 2 * MARGIN) / outputWidth, (room - head - below - 2 * MARGIN) / outputHeight);
     } else if (stacked) {
       scale = (width - 2 * MARGIN) / Math.max(outputWidth, exemplarWidth);
       scale = Math.min(scale, (window.innerHeight * 0.8) / outputHeight);
     } else {
       const gap = Number.parseFloat(getComputedStyle(this.#figures).columnGap) || 0;
-      const free = width - gap - 4 * MARGIN;
-      scale = free / (exemplarWidth + outputWidth);
-      if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / outputWidth;
+      const free = width - gap - 4 * MARGIN - (apart ? gap + 2 * MARGIN : 0);
+      const results = outputWidth + (apart ? keptWidth : 0);
+      scale = free / (exemplarWidth + results);
+      if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / results;
       if (this.#editing) scale = (RESULT_SHARE * width - 2 * MARGIN) / outputWidth;
-      scale = Math.min(scale, (room - head - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight));
+      scale = Math.min(scale, (room - head - below - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight));
     }
     this.#scale = Math.max(scale, 8);
     const captionWidth = Math.max(this.#scale * exemplarWidth + 2 * MARGIN, CAPTION_WIDTH);
     figure.style.width = stacked ? '' : `${captionWidth}px`;
     this.#drawExemplar();
+    this.#drawKept();
     this.#drawOutput();
   }
 
@@ -201,6 +349,16 @@ export class Stage {
     });
   }
 
+  #drawKept() {
+    if (!this.#kept || !this.#exemplar) return;
+    const { context } = this.#size(this.#keptCanvas, this.#kept);
+    const styles = this.#look.styles(this.#exemplar, this.#colours);
+    const { points } = this.#kept;
+    const radius = markRadius(this.#exemplar.spacing, this.#scale, areThings(points, styles));
+    const wrap = this.#wrap(this.#kept);
+    drawPoints(context, this.#colours, points, { left: MARGIN, top: MARGIN, scale: this.#scale, radius, styles, wrap });
+  }
+
   /**
    * Marks wider than the margin come in on the other side of a tile.
    *
@@ -212,15 +370,16 @@ export class Stage {
 
   #drawOutput() {
     if (!this.#output || !this.#exemplar) return;
-    const { width, height, context } = this.#size(this.#outputCanvas, this.#output);
-    const { size } = this.#output;
-    const points = { ...this.#output.points, positions: this.#drawn };
-    const periodic = this.#output.boundary === 'periodic';
+    const shown = this.#showsKept && this.#kept ? this.#kept : this.#output;
+    const { width, height, context } = this.#size(this.#outputCanvas, shown);
+    const { size } = shown;
+    const points = shown === this.#output ? { ...shown.points, positions: this.#drawn } : shown.points;
+    const periodic = shown.boundary === 'periodic';
     const tiles = this.#tiles && periodic ? 3 : 1;
     const scale = this.#scale / tiles;
     const styles = this.#look.styles(this.#exemplar, this.#colours);
     const radius = markRadius(this.#exemplar.spacing, scale, areThings(points, styles));
-    const wrap = tiles === 1 ? this.#wrap(this.#output) : null;
+    const wrap = tiles === 1 ? this.#wrap(shown) : null;
     const [tileWidth, tileHeight] = [size[0] * scale, size[1] * scale];
     if (tiles === 1) {
       this.#ruler(context, width, height);
@@ -239,6 +398,7 @@ export class Stage {
       context.strokeStyle = this.#colours.lineStrong;
       context.strokeRect(MARGIN + tileWidth, MARGIN + tileHeight, tileWidth, tileHeight);
     }
+    if (shown === this.#output) this.overlay(context);
   }
 
   /**
@@ -294,6 +454,10 @@ export class Stage {
     const close = 0.05 / this.#scale;
     let arrived = true;
     for (let i = 0; i < target.length; i++) {
+      if (this.#held?.index === i >> 1) {
+        this.#drawn[i] = this.#held.place[i % 2];
+        continue;
+      }
       const side = this.#output.size[i % 2];
       let way = target[i] - this.#drawn[i];
       // On a torus the short way may lead across the border.

@@ -1,0 +1,125 @@
+// @ts-check
+/**
+ * The result kept as A beside the one at hand, B, or in its place: what differs between their parameters, and how good
+ * each is.
+ */
+import { Refused, WorkerDied } from './worker-link.js';
+
+/** @typedef {import('./messages.js').Parameters} Parameters */
+
+/** So many differences are named; the rest are in the title. */
+const NAMED = 4;
+
+/** @param {string} id */
+const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
+
+export class Compare {
+  #stage;
+  #link;
+  #hooks;
+  #letters = element('letters');
+  /** @type {Parameters | null} */
+  #kept = null;
+  /** @type {Parameters | null} */
+  #present = null;
+  /** What the results are made from; an A of another exemplar says nothing. */
+  #source = /** @type {unknown} */ (null);
+
+  /**
+   * @param {import('./stage.js').Stage} stage
+   * @param {import('./worker-link.js').WorkerLink} link
+   * @param {{ announce: (text: string) => void, turned: () => void }} hooks `turned`: from one result to the other
+   */
+  constructor(stage, link, hooks) {
+    this.#stage = stage;
+    this.#link = link;
+    this.#hooks = hooks;
+    element('keep-a').addEventListener('click', () => void this.#keep());
+    element('drop-a').addEventListener('click', () => this.#drop());
+    this.#letters.addEventListener('change', (event) => {
+      const showsA = /** @type {HTMLInputElement} */ (event.target).value === 'a';
+      this.#turn(showsA);
+      this.#hooks.announce(showsA ? 'This is A, as it was kept.' : 'This is B, the result at hand.');
+    });
+  }
+
+  /** @param {boolean} showsA whether the result kept is shown, in the place of the one at hand */
+  #turn(showsA) {
+    for (const letter of this.#letters.querySelectorAll('input')) letter.checked = (letter.value === 'a') === showsA;
+    if (this.#stage.showsKept === showsA) return;
+    this.#stage.showsKept = showsA;
+    this.#hooks.turned();
+  }
+
+  /**
+   * Another run is shown.
+   *
+   * @param {Parameters} parameters
+   * @param {unknown} source
+   */
+  started(parameters, source) {
+    if (this.#source !== source) this.#drop();
+    this.#turn(false);
+    this.#source = source;
+    this.#present = parameters;
+    element('quality-b').textContent = '';
+    this.#describe();
+  }
+
+  /** The run at hand is done. */
+  finished() {
+    if (this.#kept) void this.#judge('quality-b', 'B');
+  }
+
+  async #keep() {
+    if (!this.#present) return;
+    this.#kept = this.#present;
+    this.#turn(false);
+    this.#stage.keep();
+    element('kept-count').textContent = element('output-count').textContent;
+    element('comparison').hidden = false;
+    this.#letters.hidden = false;
+    element('quality-b').textContent = '';
+    this.#describe();
+    this.#hooks.announce('Kept as A. Change a setting: the next result is B.');
+    await this.#judge('quality-a', 'A');
+  }
+
+  #drop() {
+    this.#kept = null;
+    this.#turn(false);
+    this.#stage.unkeep();
+    element('comparison').hidden = true;
+    this.#letters.hidden = true;
+    element('quality-a').textContent = element('quality-b').textContent = '';
+  }
+
+  /**
+   * @param {string} id
+   * @param {string} letter
+   */
+  async #judge(id, letter) {
+    try {
+      const { quality, iterations } = await this.#link.ask({ type: 'analyze' });
+      element(id).textContent = `Quality of ${letter}: ${quality.score.toFixed(2)}.`;
+      element(id).title = `After ${iterations} iterations`;
+    } catch (error) {
+      if (error instanceof Refused) element(id).textContent = '';
+      else if (!(error instanceof WorkerDied)) throw error;
+    }
+  }
+
+  #describe() {
+    const [a, b] = [this.#kept, this.#present];
+    if (!a || !b) return;
+    const names = [...new Set([...Object.keys(a), ...Object.keys(b)])].filter((name) => a[name] !== b[name]);
+    const differences = names.map((name) => `${name} ${a[name]} → ${b[name]}`);
+    const rest = differences.length - NAMED;
+    const seed = a.seed === b.seed ? `Same seed, ${a.seed}. ` : '';
+    const words = differences.length === 0
+      ? 'No parameter differs yet.'
+      : `A → B: ${differences.slice(0, NAMED).join(', ')}${rest > 0 ? ` and ${rest} more` : ''}.`;
+    element('differences').textContent = seed + words;
+    element('differences').title = differences.join('\n');
+  }
+}
