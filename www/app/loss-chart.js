@@ -99,11 +99,14 @@ export class LossChart {
     context.textAlign = 'right';
     // Powers of ten; with fewer than two in sight, halves and fifths too.
     const factors = Math.floor(to) - Math.ceil(from) >= 1 ? [1] : [1, 2, 5];
+    let below = Infinity;
     for (let power = Math.floor(from); power <= Math.ceil(to); power++) {
       for (const factor of factors) {
         const value = factor * 10 ** power;
         const at = Math.round(y(value)) + 0.5;
-        if (at < top || at > bottom) continue;
+        // In a low chart labels would stand on one another.
+        if (at < top || at > bottom || below - at < 14) continue;
+        below = at;
         context.beginPath();
         context.moveTo(left, at);
         context.lineTo(right, at);
