@@ -463,6 +463,7 @@ impl Parameters {
             Preset::Paper => paper,
             // What other tries at the worst regions bring is more than what as much time in a larger network brings.
             Preset::Balanced => Self {
+                coarse_sigma_px: 7.0,
                 iterations_coarse: 300,
                 iterations_fine: 120,
                 iterations_polish: 80,
@@ -471,6 +472,7 @@ impl Parameters {
                 ..Self::preset(Preset::Fast)
             },
             Preset::Best => Self {
+                coarse_sigma_px: 7.0,
                 channels: 48,
                 pixels_per_spacing: 8.0,
                 grid_min: 48,
@@ -487,7 +489,7 @@ impl Parameters {
                 margin_sigmas: 2.0,
                 channels: 32,
                 sigma_coarse_cells: 1.16,
-                coarse_sigma_px: 7.0,
+                coarse_sigma_px: 6.0,
                 fine_sigma_px: 2.5,
                 pixels_per_spacing: 7.0,
                 grid_min: 32,
@@ -522,6 +524,10 @@ impl Parameters {
         }
         if preset == Preset::Paper || !Self::is_lattice(exemplar) {
             return parameters;
+        }
+        if preset == Preset::Fast {
+            // All their scales need the finest grid, so each iteration costs more than elsewhere.
+            parameters.iterations_coarse = 120;
         }
         Self {
             pixels_per_spacing: parameters.pixels_per_spacing.max(9.0),
