@@ -511,7 +511,8 @@ impl Parameters {
     }
 
     /// The preset as it suits an exemplar: a tile makes a tile and a window a window, and lattices, which are flat at
-    /// the scales of other patterns, get a fine and narrow ladder. Fast gives values a finer grid at wide σ. The Paper preset only takes the boundary.
+    /// the scales of other patterns, get a fine and narrow ladder. Fast gives values a finer grid at wide σ. The Paper
+    /// preset only takes the boundary.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
