@@ -492,7 +492,7 @@ fn windows_have_one_centre() {
 }
 
 #[test]
-fn presets_suit_lattices_and_nothing_else() {
+fn presets_suit_lattices_and_values_and_nothing_else() {
     use pointweave::method::{Parameters, Preset};
     for entry in gallery::entries() {
         let exemplar = entry.exemplar();
@@ -502,7 +502,12 @@ fn presets_suit_lattices_and_nothing_else() {
             let suited = Parameters::suited_to(preset, &exemplar);
             suited.validate().expect("a preset is valid");
             let is_lattice = ["hex", "square-grid"].contains(&entry.name);
+            // Fast sees values on a finer grid than it sees points.
+            let finer = preset == Preset::Fast && !exemplar.attributes().is_empty();
+            let plain = if finer { Parameters { coarse_sigma_px: 7.0, ..plain } } else { plain };
             assert_eq!(suited != plain, is_lattice, "{}: index {index:.3}", entry.name);
+            let coarse = if preset == Preset::Fast && is_lattice { 150 } else { plain.iterations_coarse };
+            assert_eq!(suited.iterations_coarse, coarse, "{}", entry.name);
         }
         let paper = Parameters { boundary: exemplar.boundary(), ..Parameters::preset(Preset::Paper) };
         assert_eq!(Parameters::suited_to(Preset::Paper, &exemplar), paper, "{}", entry.name);
