@@ -511,7 +511,7 @@ impl Parameters {
     }
 
     /// The preset as it suits an exemplar: a tile makes a tile and a window a window, and lattices, which are flat at
-    /// the scales of other patterns, get a fine and narrow ladder. Fast gives values a finer grid at wide σ. The Paper
+    /// the scales of other patterns, get a fine and narrow ladder, and values at least 7 pixels per wide σ. The Paper
     /// preset only takes the boundary.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
@@ -523,11 +523,14 @@ impl Parameters {
             // Radii in another unit than positions are numbers like any other.
             parameters.disk_overlap = 0.0;
         }
-        if preset == Preset::Fast && !exemplar.attributes().is_empty() {
-            // Waves that carry values lose more on a coarse grid than points do.
-            parameters.coarse_sigma_px = 7.0;
+        if preset == Preset::Paper {
+            return parameters;
         }
-        if preset == Preset::Paper || !Self::is_lattice(exemplar) {
+        if !exemplar.attributes().is_empty() {
+            // Waves that carry values lose more on a coarse grid than points do.
+            parameters.coarse_sigma_px = parameters.coarse_sigma_px.max(7.0);
+        }
+        if !Self::is_lattice(exemplar) {
             return parameters;
         }
         if preset == Preset::Fast {
