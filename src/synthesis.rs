@@ -26,6 +26,7 @@ use crate::method::parameters::Start;
 use crate::method::repair::{Limits, keep_apart, least_distance, relocate};
 use crate::method::restart::{shake, wrongness};
 use crate::method::schedule::converged;
+use crate::method::transplant::{Arrangement, transplant};
 use crate::method::values::{Exchange, Values};
 use crate::method::{ParameterError, Parameters, Schedule, Weights, bands};
 use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
@@ -723,10 +724,22 @@ impl Synthesis {
     /// Puts right what the losses hardly see, where the exemplar says that it is wrong: the moving points' places, and
     /// whose values they carry. Nothing computes meanwhile; the next scale starts from what it leaves.
     fn repair(&mut self) {
-        let Parameters { spacing_floor, relocation, alignment, disk_overlap, value_swaps, boundary, .. } =
-            self.parameters;
-        let alignment = if self.scale + 1 == self.schedule.scales.len() { alignment } else { 0 };
-        let by_places = spacing_floor > 0.0 || relocation > 0.0 || alignment > 0;
+        let Parameters {
+            spacing_floor,
+            relocation,
+            alignment,
+            transplants,
+            iterations_polish,
+            disk_overlap,
+            value_swaps,
+            boundary,
+            ..
+        } = self.parameters;
+        let left = self.schedule.scales.len() - self.scale - 1;
+        let alignment = if left == 0 { alignment } else { 0 };
+        // Before the last pass too, which then gives moved points their places.
+        let transplants = if left <= usize::from(iterations_polish > 0) { transplants } else { 0 };
+        let by_places = spacing_floor > 0.0 || relocation > 0.0 || alignment > 0 || transplants > 0;
         if (!by_places && value_swaps == 0 && self.radii.is_none()) || self.moving() == 0 {
             return;
         }
@@ -738,11 +751,12 @@ impl Synthesis {
         let most = (relocation * (points.len() - first) as f64).ceil() as usize;
         let relocate = |points: &mut [DVec2]| relocate(points, first, self.output_size, boundary, limits, most);
         relocate(&mut points);
+        let classes = self.classes_of(&sources);
+        let arrangement = Arrangement { classes: &classes, first, size: self.output_size, boundary };
         if alignment > 0 {
-            let classes = self.classes_of(&sources);
             for _ in 0..ALIGNMENTS {
                 let before = points.clone();
-                align(&mut points, &classes, first, self.output_size, boundary, &exemplar, alignment);
+                align(&mut points, arrangement, &exemplar, alignment);
                 mend(&mut points, &before, self.output_size, boundary, limits);
                 // One too many for its row now stands on another, and can go where one is missing.
                 if relocate(&mut points) == 0 {
@@ -750,6 +764,9 @@ impl Synthesis {
                 }
             }
         }
+        // What is torn open before the last pass closes in it.
+        let hole = if left == 0 { limits.hole } else { f64::INFINITY };
+        transplant(&mut points, arrangement, &exemplar, Limits { hole, ..limits }, transplants);
         if value_swaps > 0 {
             self.exchange_values(&exemplar, &points, &mut sources, first, value_swaps);
         }

@@ -58,16 +58,25 @@ impl Neighbourhoods {
     /// # Errors
     /// With a single point, or a spacing that is not positive.
     pub fn of(cloud: &Cloud, spacing: f64) -> Result<Self, AnalysisError> {
+        let mut own = Self::of_some(cloud, spacing, &(0..cloud.len()).collect::<Vec<_>>())?;
+        let complete = own.all.iter().filter(|one| one.complete).count();
+        if (complete as f64) < (ENOUGH * own.all.len() as f64).max(1.0) {
+            own.all.iter_mut().for_each(|one| one.complete = true);
+        }
+        Ok(own)
+    }
+
+    /// The same of these points only, in this order; incomplete ones are left out however many they are.
+    #[inline(never)]
+    pub(crate) fn of_some(cloud: &Cloud, spacing: f64, some: &[usize]) -> Result<Self, AnalysisError> {
         cloud.at_least("a neighbourhood", 2)?;
         check_positive("spacing", spacing)?;
         let grid = cloud.neighbours();
         let mut found = Vec::with_capacity(SPARE + 1);
-        let mut all: Vec<Neighbourhood> = cloud
-            .points()
+        let all = some
             .iter()
-            .zip(cloud.classes())
-            .enumerate()
-            .map(|(index, (&point, &class))| {
+            .map(|&index| {
+                let (point, class) = (cloud.points()[index], cloud.classes()[index]);
                 grid.nearest(point, SPARE, Some(index), &mut found);
                 // What is missing is never the nearest.
                 let far = f32::MAX.sqrt() / 4.0;
@@ -92,10 +101,6 @@ impl Neighbourhoods {
                 own
             })
             .collect();
-        let complete = all.iter().filter(|one| one.complete).count();
-        if (complete as f64) < (ENOUGH * all.len() as f64).max(1.0) {
-            all.iter_mut().for_each(|one| one.complete = true);
-        }
         let single_class = cloud.classes().windows(2).all(|pair| pair[0] == pair[1]);
         Ok(Self { all, single_class })
     }
@@ -116,6 +121,7 @@ impl Neighbourhoods {
 
     /// The neighbourhood among `candidates` that is most like the one of this number, and how far it is from it; none
     /// where a window's border cuts it off. A good `guess` saves most of the work.
+    #[inline(never)]
     pub(crate) fn best_match(&self, index: usize, candidates: &Self, guess: usize) -> Option<(usize, f32)> {
         let own = &self.all[index];
         let first = candidates.all.get(guess).map(|other| (guess, other));
@@ -157,12 +163,20 @@ impl Neighbourhoods {
 
     /// Which place of the neighbourhood of this number is nearest to an offset, among those of the same class, and the
     /// way there, in mean spacings.
+    #[inline(never)]
     pub(crate) fn way_to_place(&self, index: usize, offset: DVec2, class: u16) -> Option<(usize, DVec2)> {
         let place = &self.all[index];
         (0..place.count)
             .filter(|&number| place.classes[number] == class)
             .map(|number| (number, DVec2::new(place.x[number].into(), place.y[number].into()) - offset))
             .min_by(|(_, a), (_, b)| a.length_squared().total_cmp(&b.length_squared()))
+    }
+
+    /// The places of the neighbourhood of this number, in mean spacings from its point, and their classes.
+    pub(crate) fn places(&self, index: usize) -> impl Iterator<Item = (DVec2, u16)> + '_ {
+        let own = &self.all[index];
+        let count = own.count.min(NEIGHBOURHOOD);
+        (0..count).map(|place| (DVec2::new(own.x[place].into(), own.y[place].into()), own.classes[place]))
     }
 
     /// Mean distance from the complete neighbourhoods to the best among `candidates`, perhaps without the one of the

@@ -13,6 +13,7 @@
 use glam::DVec2;
 
 use super::repair::{HOLE, Limits};
+use super::transplant::Arrangement;
 use crate::analysis::{Cloud, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle};
 use crate::domain::{Boundary, keep_inside};
 
@@ -32,16 +33,17 @@ const MENDED: usize = 32;
 const MAX_PAIRS: usize = 6_000_000;
 
 /// What an exemplar's neighbourhoods are like, and how alike.
-struct Reference {
+pub(super) struct Reference {
     /// Mean spacing, the unit of all distances here.
-    spacing: f64,
-    wanted: Neighbourhoods,
+    pub(super) spacing: f64,
+    pub(super) wanted: Neighbourhoods,
     /// How far each is from the most similar other one.
-    usual: Vec<f32>,
+    pub(super) usual: Vec<f32>,
 }
 
 impl Reference {
-    fn of(exemplar: &Cloud) -> Option<Self> {
+    #[inline(never)]
+    pub(super) fn of(exemplar: &Cloud) -> Option<Self> {
         let spacing = exemplar.mean_spacing()?;
         let wanted = Neighbourhoods::of(exemplar, spacing).ok()?;
         let usual = (0..exemplar.len()).map(|index| wanted.match_within(index)).collect();
@@ -63,75 +65,75 @@ pub fn misfits(output: &Cloud, exemplar: &Cloud) -> Vec<f64> {
         .collect()
 }
 
-/// Moves the points of `first …` for up to `rounds` rounds; those before are frozen but count. Classes are told apart.
-/// Returns how many rounds were made.
-pub fn align(
-    points: &mut [DVec2],
-    classes: &[u16],
-    first: usize,
-    size: DVec2,
-    boundary: Boundary,
-    exemplar: &Cloud,
-    rounds: u32,
-) -> u32 {
-    let Some(Reference { spacing, wanted, usual }) = Reference::of(exemplar) else { return 0 };
+/// Moves the points for up to `rounds` rounds; frozen ones count. Classes are told apart. Returns how many rounds were
+/// made.
+pub fn align(points: &mut [DVec2], arrangement: Arrangement<'_>, exemplar: &Cloud, rounds: u32) -> u32 {
+    let Some(reference) = Reference::of(exemplar) else { return 0 };
     let affordable = MAX_PAIRS / (points.len() * exemplar.len()).max(1);
-    let rounds = rounds.min(affordable as u32);
-    // What a point looked like most in the round before, which it will hardly be less like than anything else now.
-    let mut matches = vec![0; points.len()];
-    for round in 0..rounds {
-        let Ok(cloud) =
-            Cloud::new(points.to_vec(), size, boundary).and_then(|cloud| cloud.with_classes(classes.to_vec()))
-        else {
-            return round;
-        };
-        let Ok(own) = Neighbourhoods::of(&cloud, spacing) else { return round };
-        let grid = cloud.neighbours();
+    let all: Vec<usize> = (0..points.len()).collect();
+    reference.align(points, arrangement, &all, rounds.min(affordable as u32))
+}
+
+impl Reference {
+    /// [`align`] for the neighbourhoods of `some` points.
+    #[inline(never)]
+    pub(super) fn align(&self, points: &mut [DVec2], arrangement: Arrangement<'_>, some: &[usize], rounds: u32) -> u32 {
+        let Arrangement { classes, first, size, boundary } = arrangement;
+        let spacing = self.spacing;
+        // What a point looked like most in the round before, which it will hardly be less like than anything else now.
+        let mut matches = vec![0; some.len()];
         let mut found = Vec::with_capacity(NEIGHBOURHOOD + 1);
         let mut claims = Vec::with_capacity(NEIGHBOURHOOD);
-        let mut asked = vec![(DVec2::ZERO, 0.0); points.len()];
-        for (index, guess) in matches.iter_mut().enumerate() {
-            let Some((best, distance)) = own.best_match(index, &wanted, *guess) else { continue };
-            *guess = best;
-            let urgency = f64::from(1.0 - usual[best] / distance.max(f32::MIN_POSITIVE));
-            if urgency <= 0.0 {
-                continue;
-            }
-            grid.nearest(cloud.points()[index], NEIGHBOURHOOD, Some(index), &mut found);
-            claims.clear();
-            for neighbour in &found {
-                let class = classes[neighbour.index];
-                let Some((place, way)) = wanted.way_to_place(best, neighbour.offset / spacing, class) else { continue };
-                claims.push((place, way, neighbour.index));
-            }
-            for &(place, way, neighbour) in &claims {
-                // A place is for one: two that want it would end up on one another.
-                let nearer =
-                    |other: &(usize, DVec2, usize)| other.0 == place && other.1.length_squared() < way.length_squared();
-                if claims.iter().any(nearer) {
+        for round in 0..rounds {
+            let Some(cloud) = arrangement.cloud(points) else { return round };
+            let Ok(own) = Neighbourhoods::of_some(&cloud, spacing, some) else { return round };
+            let grid = cloud.neighbours();
+            let mut asked = vec![(DVec2::ZERO, 0.0); points.len()];
+            for (number, (&index, guess)) in some.iter().zip(&mut matches).enumerate() {
+                let Some((best, distance)) = own.best_match(number, &self.wanted, *guess) else { continue };
+                *guess = best;
+                let urgency = f64::from(1.0 - self.usual[best] / distance.max(f32::MIN_POSITIVE));
+                if urgency <= 0.0 {
                     continue;
                 }
-                let weight = urgency * libm::exp(-0.5 * way.length_squared() / (WIDTH * WIDTH));
-                for (point, way) in [(neighbour, way), (index, -way)] {
-                    asked[point].0 += weight * way;
-                    asked[point].1 += weight;
+                grid.nearest(cloud.points()[index], NEIGHBOURHOOD, Some(index), &mut found);
+                claims.clear();
+                for neighbour in &found {
+                    let class = classes[neighbour.index];
+                    let way = self.wanted.way_to_place(best, neighbour.offset / spacing, class);
+                    let Some((place, way)) = way else { continue };
+                    claims.push((place, way, neighbour.index));
+                }
+                for &(place, way, neighbour) in &claims {
+                    // A place is for one: two that want it would end up on one another.
+                    let nearer = |other: &(usize, DVec2, usize)| {
+                        other.0 == place && other.1.length_squared() < way.length_squared()
+                    };
+                    if claims.iter().any(nearer) {
+                        continue;
+                    }
+                    let weight = urgency * libm::exp(-0.5 * way.length_squared() / (WIDTH * WIDTH));
+                    for (point, way) in [(neighbour, way), (index, -way)] {
+                        asked[point].0 += weight * way;
+                        asked[point].1 += weight;
+                    }
                 }
             }
-        }
-        let mut farthest = 0.0_f64;
-        for (point, (sum, weight)) in points.iter_mut().zip(asked).skip(first) {
-            if weight > 0.0 {
-                // Few and doubtful requests carry less far.
-                let way = STEP * sum / weight.max(1.0);
-                farthest = farthest.max(way.length());
-                *point = keep_inside(*point + way * spacing, size, boundary);
+            let mut farthest = 0.0_f64;
+            for (point, (sum, weight)) in points.iter_mut().zip(asked).skip(first) {
+                if weight > 0.0 {
+                    // Few and doubtful requests carry less far.
+                    let way = STEP * sum / weight.max(1.0);
+                    farthest = farthest.max(way.length());
+                    *point = keep_inside(*point + way * spacing, size, boundary);
+                }
+            }
+            if farthest < STILL {
+                return round + 1;
             }
         }
-        if farthest < STILL {
-            return round + 1;
-        }
+        rounds
     }
-    rounds
 }
 
 /// Puts points back to where they were `before` an alignment, round every hole that it tore: one larger than the
@@ -174,7 +176,8 @@ mod tests {
 
     fn aligned(points: &[DVec2], classes: &[u16], first: usize, exemplar: &Cloud, rounds: u32) -> Vec<DVec2> {
         let mut points = points.to_vec();
-        align(&mut points, classes, first, DVec2::splat(2.0), Boundary::Periodic, exemplar, rounds);
+        let arrangement = Arrangement { classes, first, size: DVec2::splat(2.0), boundary: Boundary::Periodic };
+        align(&mut points, arrangement, exemplar, rounds);
         points
     }
 

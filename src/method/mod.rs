@@ -10,6 +10,7 @@ pub mod parameters;
 pub mod repair;
 pub mod restart;
 pub mod schedule;
+pub mod transplant;
 pub mod values;
 
 pub use bands::{Bands, Weights};

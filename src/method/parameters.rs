@@ -253,6 +253,10 @@ pub struct Parameters {
     /// After the last scale neighbourhoods that nearly match one of the exemplar's are made to match, in this many
     /// rounds at most.
     pub alignment: u32,
+    /// After each pass over the finest scale this many moves of single points are tried, from where one is too many to
+    /// where one is missing.
+    #[serde(default)]
+    pub transplants: u32,
     /// How often the regions that came out worst are shaken and go through the finer half of the ladder again; what does
     /// not become better is undone.
     pub restarts: u32,
@@ -311,7 +315,7 @@ impl Range {
 
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
-    pub const RANGES: [Range; 31] = [
+    pub const RANGES: [Range; 32] = [
         real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
         real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
         whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
@@ -363,6 +367,12 @@ impl Parameters {
         ),
         real("relocation", 0.0, 0.5, "Share of points that may go from crowds into holes after each scale."),
         whole("alignment", 0.0, 1000.0, "Rounds in which nearly right neighbourhoods are made right at the end."),
+        whole(
+            "transplants",
+            0.0,
+            10_000.0,
+            "Moves of single points, from where one is too many to where one is missing.",
+        ),
         whole("restarts", 0.0, 100.0, "How often the regions that came out worst get another try."),
         real(
             "disk-overlap",
@@ -409,6 +419,7 @@ impl Parameters {
             self.spacing_floor,
             self.relocation,
             self.alignment.into(),
+            self.transplants.into(),
             self.restarts.into(),
             self.disk_overlap,
             self.value_swaps.into(),
@@ -453,6 +464,7 @@ impl Parameters {
             spacing_floor: 0.0,
             relocation: 0.0,
             alignment: 0,
+            transplants: 0,
             restarts: 0,
             disk_overlap: 0.0,
             value_swaps: 0,
@@ -468,6 +480,7 @@ impl Parameters {
                 iterations_fine: 120,
                 iterations_polish: 80,
                 alignment: 40,
+                transplants: 300,
                 restarts: 3,
                 ..Self::preset(Preset::Fast)
             },
@@ -481,6 +494,7 @@ impl Parameters {
                 iterations_fine: 200,
                 iterations_polish: 120,
                 alignment: 60,
+                transplants: 300,
                 restarts: 8,
                 ..Self::preset(Preset::Fast)
             },
@@ -503,6 +517,7 @@ impl Parameters {
                 spacing_floor: 1.0,
                 relocation: 0.1,
                 alignment: 20,
+                transplants: 100,
                 disk_overlap: 1.0,
                 value_swaps: 12,
                 ..paper
@@ -530,12 +545,15 @@ impl Parameters {
             // Waves that carry values lose more on a coarse grid than points do.
             parameters.coarse_sigma_px = parameters.coarse_sigma_px.max(7.0);
         }
-        if !Self::is_lattice(exemplar) {
-            return parameters;
+        let is_lattice = Self::is_lattice(exemplar);
+        if preset == Preset::Fast && (is_lattice || exemplar.boundary() == Boundary::Open) {
+            // Each iteration costs more than elsewhere: lattices need the finest grid at all scales, and grids of
+            // windows reach beyond the border.
+            parameters.iterations_coarse = if is_lattice { 150 } else { 200 };
+            parameters.iterations_fine = 80;
         }
-        if preset == Preset::Fast {
-            // All their scales need the finest grid, so each iteration costs more than elsewhere.
-            parameters.iterations_coarse = 150;
+        if !is_lattice {
+            return parameters;
         }
         Self {
             pixels_per_spacing: parameters.pixels_per_spacing.max(9.0),

@@ -11,6 +11,7 @@ use super::{Synthesis, SynthesisError};
 use crate::domain::{Boundary, keep_inside};
 use crate::method::Parameters;
 use crate::sampling::{Purpose, Rng};
+use crate::sorting::order;
 
 /// Darts thrown for one point that is to lie in a region, at most: a lasso may have no width to speak of.
 const DARTS: usize = 2000;
@@ -159,7 +160,8 @@ impl Synthesis {
         let (class, scale, finished) = (self.class(), self.scale, self.finished);
         let redo = self.redo.get_or_insert_with(|| Redo { points: Vec::new(), class, scale, finished });
         redo.points.extend(chosen);
-        redo.points.sort_unstable();
+        redo.points =
+            order(redo.points.iter().map(|&point| point as f64)).into_iter().map(|at| redo.points[at]).collect();
         redo.points.dedup();
         self.finished = false;
         self.turn = 0;

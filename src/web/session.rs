@@ -551,13 +551,14 @@ fn read(source: Source) -> Result<PointPattern, Refusal> {
 
 /// The preset's parameters as they suit the exemplar, with some replaced. Numbers are checked before they take their
 /// type, so that a negative or broken one is answered with its range.
-fn parameters(preset: &str, exemplar: &PointPattern, overrides: Map<String, Value>) -> Result<Parameters, Refusal> {
+fn parameters(preset: &str, exemplar: &PointPattern, mut overrides: Map<String, Value>) -> Result<Parameters, Refusal> {
     for range in &Parameters::RANGES {
         if let Some(value) = overrides.get(range.name).and_then(Value::as_f64) {
             range.check(value)?;
         }
     }
-    let overrides = overrides.into_iter().map(|(name, value)| (name, whole(value))).collect();
+    // In place: collecting would sort, with a sorting routine of its own.
+    overrides.values_mut().for_each(|value| *value = whole(value.take()));
     Parameters::with_overrides(Preset::from_name(preset)?, exemplar, overrides).map_err(Refusal::Overrides)
 }
 

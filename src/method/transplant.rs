@@ -1,0 +1,392 @@
+//! Whole points that go from where one is too many to where one is missing.
+//!
+//! A row with a point too many and another with one too few can't be put right by small steps: every step on the way
+//! makes both worse. Each neighbourhood says what is wrong with it, though. Compared with the exemplar's most similar
+//! one it has places that no point fills and points that stand in no place; where several say the same, a point is
+//! moved from one such spot to another, the surroundings are aligned, and what does not match better is undone.
+//! (Points that are removed and added where the pattern is worst: Tu et al. 2019, §5, there by weights that are
+//! optimised; most similar neighbourhoods: Ma, Wei & Tong 2011, §4.)
+
+use glam::DVec2;
+
+use super::alignment::Reference;
+use super::repair::{HOLE, Limits, least_distance};
+use crate::analysis::{Cloud, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle};
+use crate::domain::{Boundary, keep_inside};
+use crate::sorting::order;
+
+/// A place this many mean spacings from the next point is not filled, and a point as far from the next place is in none.
+const NEAR: f64 = 0.25;
+/// Width of the Gaussian, in mean spacings, by which neighbourhoods that miss a point at nearly the same spot agree.
+const AGREEMENT: f64 = 0.35;
+/// Spots are apart by this many mean spacings, or they are one.
+const APART: f64 = 0.5;
+/// Neighbourhoods within this many mean spacings of a spot are aligned after a move.
+const REACH: f64 = 2.5;
+/// Those within this much more feel it.
+const RIM: f64 = 1.5;
+/// Rounds of that alignment.
+const ROUNDS: u32 = 12;
+/// Spots of each kind that are tried with one another.
+const SPOTS: usize = 8;
+/// What a point that coincides with another counts as, in mean spacings of misfit; less for what is merely too close.
+/// Neighbourhoods hardly differ by a point on top of another, so moves would pile them up.
+const CROWDED: f64 = 1.0;
+/// A move must lower the sum of misfits by this many mean spacings more than the alignment does without it.
+const GAIN: f64 = 0.2;
+/// Misfits below this, in mean spacings, are mere inaccuracy.
+const INACCURATE: f64 = 0.02;
+/// Most pairs of neighbourhoods of output and exemplar that are compared to begin with, half a second of work.
+const MAX_PAIRS: usize = 6_000_000;
+
+/// Points in a rectangle, those before `first` frozen, the others all of one class.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrangement<'a> {
+    /// Class of each point.
+    pub classes: &'a [u16],
+    /// The first point that may move.
+    pub first: usize,
+    /// Size of the rectangle.
+    pub size: DVec2,
+    /// What lies beyond its border.
+    pub boundary: Boundary,
+}
+
+impl Arrangement<'_> {
+    #[inline(never)]
+    pub(super) fn cloud(&self, points: &[DVec2]) -> Option<Cloud> {
+        let cloud = Cloud::new(points.to_vec(), self.size, self.boundary).ok()?;
+        cloud.with_classes(self.classes.to_vec()).ok()
+    }
+
+    /// From one place to another, or to its image where that is nearer.
+    fn way(&self, from: DVec2, to: DVec2) -> DVec2 {
+        let way = to - from;
+        match self.boundary {
+            Boundary::Periodic => way - (way / self.size).round() * self.size,
+            Boundary::Open => way,
+        }
+    }
+}
+
+/// What is wrong with one neighbourhood.
+#[derive(Clone, Debug, Default)]
+struct Complaint {
+    /// How much, in mean spacings.
+    misfit: f64,
+    /// Where points are missing, and how sorely.
+    missing: Vec<(DVec2, f64)>,
+    /// Which points are in no place, and how far from one, in mean spacings.
+    surplus: Vec<(usize, f64)>,
+}
+
+/// Who judges.
+struct Judge<'a> {
+    reference: &'a Reference,
+    arrangement: Arrangement<'a>,
+    /// Closer points than that are a crowd.
+    least: f64,
+}
+
+impl Judge<'_> {
+    /// The complaints of `some` points.
+    #[inline(never)]
+    fn complaints(&self, points: &[DVec2], some: &[usize]) -> Option<Vec<Complaint>> {
+        let Reference { spacing, wanted, usual } = self.reference;
+        let Arrangement { classes, first, size, boundary } = self.arrangement;
+        let moving = *classes.get(first)?;
+        let cloud = self.arrangement.cloud(points)?;
+        let own = Neighbourhoods::of_some(&cloud, *spacing, some).ok()?;
+        let grid = cloud.neighbours();
+        let mut found = Vec::with_capacity(NEIGHBOURHOOD + 1);
+        let complaints = some.iter().enumerate().map(|(number, &index)| {
+            let mut complaint = Complaint::default();
+            grid.nearest(points[index], NEIGHBOURHOOD, Some(index), &mut found);
+            if let Some(nearest) = found.first()
+                && self.least > 0.0
+            {
+                let crowd = CROWDED * (1.0 - nearest.distance_squared.sqrt() / self.least).max(0.0);
+                if crowd > 0.0 {
+                    complaint.misfit = crowd;
+                    if index >= first {
+                        complaint.surplus.push((index, crowd));
+                    }
+                }
+            }
+            let Some((best, distance)) = own.best_match(number, wanted, 0) else { return complaint };
+            let misfit = f64::from(distance - usual[best]);
+            if misfit < INACCURATE {
+                complaint.misfit += misfit.max(0.0);
+                return complaint;
+            }
+            complaint.misfit += misfit;
+            for neighbour in &found {
+                let way = wanted.way_to_place(best, neighbour.offset / *spacing, classes[neighbour.index]);
+                let astray = way.map_or(1.0, |(_, way)| way.length().min(1.0)) - NEAR;
+                if astray > 0.0 && neighbour.index >= first {
+                    complaint.surplus.push((neighbour.index, astray));
+                }
+            }
+            for (place, class) in wanted.places(best) {
+                let spot = points[index] + place * *spacing;
+                let within = boundary == Boundary::Periodic || (spot.cmpge(DVec2::ZERO) & spot.cmple(size)).all();
+                if class != moving || !within {
+                    continue;
+                }
+                grid.nearest(spot, 1, None, &mut found);
+                let empty = found.first().map_or(1.0, |nearest| nearest.distance_squared.sqrt() / spacing) - NEAR;
+                if empty > 0.0 {
+                    complaint.missing.push((keep_inside(spot, size, boundary), empty));
+                }
+            }
+            complaint
+        });
+        Some(complaints.collect())
+    }
+
+    /// The points most agree to be in the way, the worst first, and how much.
+    fn surplus(&self, complaints: &[Complaint]) -> Vec<(usize, f64)> {
+        let mut sums = vec![0.0; complaints.len()];
+        for &(index, astray) in complaints.iter().flat_map(|complaint| &complaint.surplus) {
+            sums[index] += astray;
+        }
+        let worst = order(sums.iter().map(|sum| -sum)).into_iter().take(SPOTS);
+        worst.map(|index| (index, sums[index])).filter(|(_, sum)| *sum > 0.0).collect()
+    }
+
+    /// The spots most agree to miss a point at, the worst first, and how much.
+    fn missing(&self, complaints: &[Complaint]) -> Vec<(DVec2, f64)> {
+        let Arrangement { size, boundary, .. } = self.arrangement;
+        let all = || complaints.iter().flat_map(|complaint| &complaint.missing);
+        let Ok(cloud) = Cloud::new(all().map(|(spot, _)| *spot).collect(), size, boundary) else { return Vec::new() };
+        let empty: Vec<f64> = all().map(|(_, empty)| *empty).collect();
+        let grid = cloud.neighbours();
+        let width = AGREEMENT * self.reference.spacing;
+        let mut agreed = vec![(DVec2::ZERO, 0.0); empty.len()];
+        for (&spot, (middle, sum)) in cloud.points().iter().zip(&mut agreed) {
+            let mut way = DVec2::ZERO;
+            grid.within(spot, 3.0 * width, |other| {
+                let weight = empty[other.index] * libm::exp(-0.5 * other.distance_squared / (width * width));
+                way += weight * other.offset;
+                *sum += weight;
+            });
+            *middle = keep_inside(spot + way / *sum, size, boundary);
+        }
+        let mut chosen: Vec<(DVec2, f64)> = Vec::with_capacity(SPOTS);
+        for index in order(agreed.iter().map(|(_, sum)| -sum)) {
+            let spot = agreed[index];
+            if chosen
+                .iter()
+                .all(|other| self.arrangement.way(other.0, spot.0).length() > APART * self.reference.spacing)
+            {
+                chosen.push(spot);
+            }
+            if chosen.len() == SPOTS {
+                break;
+            }
+        }
+        chosen
+    }
+}
+
+/// Tries up to `tries` moves of single points and keeps those after which the neighbourhoods on the whole match the
+/// exemplar's better; returns how many. None makes a hole larger than the exemplar's, or points a larger crowd.
+pub fn transplant(
+    points: &mut [DVec2],
+    arrangement: Arrangement<'_>,
+    exemplar: &Cloud,
+    limits: Limits,
+    tries: u32,
+) -> usize {
+    if tries == 0 || points.len() * exemplar.len() > MAX_PAIRS {
+        return 0;
+    }
+    let Some(reference) = Reference::of(exemplar) else { return 0 };
+    let least = least_distance(limits, 1.0, arrangement.size, points.len());
+    let judge = Judge { reference: &reference, arrangement, least };
+    let all: Vec<usize> = (0..points.len()).collect();
+    let Some(mut complaints) = judge.complaints(points, &all) else { return 0 };
+    // Moves that brought nothing, as long as nothing near them has changed.
+    let mut failed: Vec<(DVec2, DVec2)> = Vec::new();
+    let near = |a: DVec2, b: DVec2, reach: f64| arrangement.way(a, b).length() < reach * reference.spacing;
+    let hole = |points: &[DVec2]| arrangement.cloud(points).map_or(0.0, |cloud| largest_empty_circle(&cloud).radius);
+    let largest = hole(points).max(HOLE * limits.hole);
+    // A hole may open for a while: what leaves it may come back from elsewhere.
+    let mut state = points.to_vec();
+    let (mut moves_made, mut kept) = (0, 0);
+    let mut left = tries;
+    'moves: while left > 0 {
+        let missing = judge.missing(&complaints);
+        let surplus = judge.surplus(&complaints);
+        // The most promising first.
+        let promise =
+            surplus.iter().flat_map(|(_, surplus)| missing.iter().map(move |(_, missing)| -surplus * missing));
+        let moves = order(promise);
+        let mut better = None;
+        for number in moves {
+            let (index, to) = (surplus[number / missing.len()].0, missing[number % missing.len()].0);
+            let from = state[index];
+            if failed.contains(&(from, to)) {
+                continue;
+            }
+            if left == 0 {
+                break 'moves;
+            }
+            left -= 1;
+            let around = |reach: f64| -> Vec<usize> {
+                let felt =
+                    |&other: &usize| other == index || near(state[other], from, reach) || near(state[other], to, reach);
+                (0..state.len()).filter(felt).collect()
+            };
+            let (felt, some) = (around(REACH + RIM), around(REACH));
+            let aligned = |place: DVec2| {
+                let mut moved = state.clone();
+                moved[index] = place;
+                reference.align(&mut moved, arrangement, &some, ROUNDS);
+                let after = judge.complaints(&moved, &felt)?;
+                let misfit: f64 = after.iter().map(|complaint| complaint.misfit).sum();
+                Some((moved, after, misfit))
+            };
+            let before: f64 = felt.iter().map(|&index| complaints[index].misfit).sum();
+            let Some((moved, after, misfit)) = aligned(to) else { break 'moves };
+            // What the alignment alone would bring does not count.
+            let counts = || aligned(from).is_some_and(|(_, _, alone)| misfit < alone - GAIN);
+            if misfit < before - GAIN && counts() {
+                better = Some((moved, felt, after, from, to));
+                break;
+            }
+            failed.push((from, to));
+        }
+        let Some((moved, felt, after, from, to)) = better else { break 'moves };
+        felt.into_iter().zip(after).for_each(|(index, complaint)| complaints[index] = complaint);
+        failed.retain(|&(a, b)| {
+            [a, b].iter().all(|&spot| !near(spot, from, REACH + RIM) && !near(spot, to, REACH + RIM))
+        });
+        state = moved;
+        moves_made += 1;
+        if hole(&state) <= largest {
+            points.copy_from_slice(&state);
+            kept = moves_made;
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+    use super::*;
+    use crate::method::alignment::{align, misfits};
+    use crate::sampling::{Purpose, Rng, white_noise};
+
+    const SIZE: DVec2 = DVec2::splat(2.0);
+
+    fn grid(side: usize) -> Vec<DVec2> {
+        (0..side * side).map(|i| (DVec2::new((i % side) as f64, (i / side) as f64) + 0.5) / 6.0).collect()
+    }
+
+    fn cloud(points: &[DVec2], size: DVec2) -> Cloud {
+        Cloud::new(points.to_vec(), size, Boundary::Periodic).unwrap()
+    }
+
+    fn arrangement(classes: &[u16], first: usize) -> Arrangement<'_> {
+        Arrangement { classes, first, size: SIZE, boundary: Boundary::Periodic }
+    }
+
+    fn limits(exemplar: &Cloud) -> Limits {
+        Limits::of(exemplar).unwrap()
+    }
+
+    fn tried(points: &mut [DVec2], classes: &[u16], first: usize, exemplar: &Cloud) -> usize {
+        transplant(points, arrangement(classes, first), exemplar, limits(exemplar), 100)
+    }
+
+    /// A lattice whose third row has a point too many, and whose ninth one too few, both rows evenly spread.
+    fn uneven() -> Vec<DVec2> {
+        let row = |count: usize, row: usize| {
+            (0..count).map(move |i| DVec2::new((i as f64 + 0.5) * 2.0 / count as f64, (row as f64 + 0.5) / 6.0))
+        };
+        (0..12).flat_map(|number| row(12 + usize::from(number == 2) - usize::from(number == 8), number)).collect()
+    }
+
+    fn wrong(points: &[DVec2], exemplar: &Cloud) -> f64 {
+        misfits(&cloud(points, SIZE), exemplar).iter().sum()
+    }
+
+    #[test]
+    fn a_point_too_many_goes_to_the_row_that_lacks_one() {
+        let exemplar = cloud(&grid(6), DVec2::ONE);
+        let classes = [0; 144];
+        let mut aligned = uneven();
+        align(&mut aligned, arrangement(&classes, 0), &exemplar, 200);
+        // Negative control: small steps alone don't.
+        let row = |points: &[DVec2], row: usize| {
+            points.iter().filter(|point| (point.y * 6.0 - 0.5).round() == row as f64).count()
+        };
+        assert_eq!([row(&aligned, 2), row(&aligned, 8)], [13, 11]);
+        let mut moved = aligned.clone();
+        assert_eq!(tried(&mut moved, &classes, 0, &exemplar), 1);
+        align(&mut moved, arrangement(&classes, 0), &exemplar, 200);
+        assert!(wrong(&moved, &exemplar) < 0.5 * wrong(&aligned, &exemplar));
+        assert_eq!([row(&moved, 2), row(&moved, 8)], [12, 12]);
+        // Without tries, and where nothing is wrong, nothing happens.
+        let mut same = aligned.clone();
+        assert_eq!(transplant(&mut same, arrangement(&classes, 0), &exemplar, limits(&exemplar), 0), 0);
+        assert_eq!(same, aligned);
+        let mut whole = grid(12);
+        assert_eq!(tried(&mut whole, &classes, 0, &exemplar), 0);
+        assert_eq!(whole, grid(12));
+    }
+
+    #[test]
+    fn random_patterns_are_left_alone() {
+        let noise =
+            |seed, size: f64, count| white_noise(&mut Rng::new(seed, Purpose::Gallery), DVec2::splat(size), count);
+        let exemplar = cloud(&noise(1, 1.0, 90), DVec2::ONE);
+        let sample = noise(2, 2.0, 360);
+        let mut moved = sample.clone();
+        let kept = tried(&mut moved, &[0; 360], 0, &exemplar);
+        assert!(kept <= 36, "{kept} of 360 points");
+    }
+
+    #[test]
+    fn frozen_points_stay_and_classes_keep_their_places() {
+        // Every second column is of another class, placed before.
+        let columns = |side: usize| {
+            let mut lattice: Vec<DVec2> = grid(side);
+            lattice.sort_by_key(|point| (point.x * 6.0 - 0.5).round() as usize % 2);
+            let classes = (0..side * side).map(|i| u16::from(i >= side * side / 2)).collect::<Vec<_>>();
+            (lattice, classes)
+        };
+        let (lattice, classes) = columns(6);
+        let exemplar = cloud(&lattice, DVec2::ONE).with_classes(classes).unwrap();
+        let (whole, classes) = columns(12);
+        let mut broken = whole.clone();
+        // Frozen ones may crowd.
+        broken[10] = broken[11] + 0.01;
+        // Beside a point of its own column; its place is free.
+        let empty = broken[100];
+        broken[100] = broken[130] + DVec2::new(0.02, 0.08);
+        let mut moved = broken.clone();
+        assert!(tried(&mut moved, &classes, 72, &exemplar) > 0);
+        assert_eq!(moved[..72], broken[..72]);
+        let nearest = moved[72..].iter().map(|point| point.distance(empty)).fold(f64::INFINITY, f64::min);
+        assert!(nearest < 0.02, "{nearest}");
+        let mut frozen = broken.clone();
+        assert_eq!(tried(&mut frozen, &classes, 144, &exemplar), 0);
+        assert_eq!(frozen, broken);
+    }
+
+    #[test]
+    fn nothing_is_piled_up() {
+        // Twice as many points as the exemplar has room for: wherever one goes it would be on another.
+        let exemplar = cloud(&grid(6), DVec2::ONE);
+        let mut points = grid(12);
+        points.extend(grid(12).iter().map(|point| *point + 0.5 / 6.0));
+        tried(&mut points, &[0; 288], 0, &exemplar);
+        let all = cloud(&points, SIZE);
+        let closest = crate::analysis::nearest_distances(&all, 1).unwrap().of_rank(1).fold(f64::INFINITY, f64::min);
+        assert!(closest > 0.04, "{closest}");
+    }
+}
