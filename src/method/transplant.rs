@@ -11,7 +11,7 @@ use glam::DVec2;
 
 use super::alignment::Reference;
 use super::repair::{HOLE, Limits, least_distance};
-use crate::analysis::{Cloud, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle};
+use crate::analysis::{Cloud, EmptyCircle, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle};
 use crate::domain::{Boundary, keep_inside};
 use crate::sorting::order;
 
@@ -34,6 +34,8 @@ const SPOTS: usize = 8;
 const CROWDED: f64 = 1.0;
 /// A move must lower the sum of misfits by this many mean spacings more than the alignment does without it.
 const GAIN: f64 = 0.2;
+/// What the largest hole counts as for each radius of the exemplar's by which it is too large, in mean spacings of misfit.
+const OPEN: f64 = 10.0;
 /// Misfits below this, in mean spacings, are mere inaccuracy.
 const INACCURATE: f64 = 0.02;
 /// Most pairs of neighbourhoods of output and exemplar that are compared to begin with, half a second of work.
@@ -209,14 +211,20 @@ pub fn transplant(
     // Moves that brought nothing, as long as nothing near them has changed.
     let mut failed: Vec<(DVec2, DVec2)> = Vec::new();
     let near = |a: DVec2, b: DVec2, reach: f64| arrangement.way(a, b).length() < reach * reference.spacing;
-    let hole = |points: &[DVec2]| arrangement.cloud(points).map_or(0.0, |cloud| largest_empty_circle(&cloud).radius);
-    let largest = hole(points).max(HOLE * limits.hole);
+    let none = EmptyCircle { center: [0.0; 2], radius: 0.0 };
+    let hole_of = |points: &[DVec2]| arrangement.cloud(points).map_or(none, |cloud| largest_empty_circle(&cloud));
+    let allowed = HOLE * limits.hole;
+    let mut hole = hole_of(points);
+    let largest = hole.radius.max(allowed);
     // A hole may open for a while: what leaves it may come back from elsewhere.
     let mut state = points.to_vec();
     let (mut moves_made, mut kept) = (0, 0);
     let mut left = tries;
     'moves: while left > 0 {
-        let missing = judge.missing(&complaints);
+        let mut missing = judge.missing(&complaints);
+        if hole.radius > allowed {
+            missing.push((hole.center.into(), OPEN));
+        }
         let surplus = judge.surplus(&complaints);
         // The most promising first.
         let promise =
@@ -248,10 +256,13 @@ pub fn transplant(
                 Some((moved, after, misfit))
             };
             let before: f64 = felt.iter().map(|&index| complaints[index].misfit).sum();
+            let fills = to == DVec2::from(hole.center) && hole.radius > allowed;
             let Some((moved, after, misfit)) = aligned(to) else { break 'moves };
+            let bonus =
+                if fills { OPEN * (hole.radius - hole_of(&moved).radius.max(allowed)) / limits.hole } else { 0.0 };
             // What the alignment alone would bring does not count.
-            let counts = || aligned(from).is_some_and(|(_, _, alone)| misfit < alone - GAIN);
-            if misfit < before - GAIN && counts() {
+            let counts = || aligned(from).is_some_and(|(_, _, alone)| misfit < alone - GAIN + bonus);
+            if misfit < before - GAIN + bonus && counts() {
                 better = Some((moved, felt, after, from, to));
                 break;
             }
@@ -264,7 +275,8 @@ pub fn transplant(
         });
         state = moved;
         moves_made += 1;
-        if hole(&state) <= largest {
+        hole = hole_of(&state);
+        if hole.radius <= largest {
             points.copy_from_slice(&state);
             kept = moves_made;
         }
