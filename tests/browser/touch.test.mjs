@@ -18,7 +18,7 @@ const pageTest = (name, options, body) => test(name, { timeout: 180_000 }, () =>
 
 const SMALL = 'channels:4,grid-min:16,grid-max:16';
 /** A second, and done. */
-const QUICK = { query: `?test=1&with=${SMALL},iterations-coarse:4,iterations-fine:3,iterations-polish:1` };
+const QUICK = { query: `?test=1&with=${SMALL},iterations-coarse:4,iterations-fine:3,iterations-polish:1,transplants:0` };
 const ENDLESS = { query: `?test=1&with=${SMALL},iterations-coarse:5000,convergence-window:5000` };
 
 /** Room around the pattern in its canvas. */
