@@ -29,8 +29,8 @@ const STILL: f64 = 2e-3;
 const RIM: f64 = 1.5;
 /// Holes mended at most.
 const MENDED: usize = 32;
-/// Most pairs of neighbourhoods that all rounds together compare, about half a second of work.
-const MAX_PAIRS: usize = 6_000_000;
+/// Most pairs of neighbourhoods of output and exemplar that one repair compares, about half a second of work.
+pub(super) const MAX_PAIRS: usize = 6_000_000;
 
 /// What an exemplar's neighbourhoods are like, and how alike.
 pub(super) struct Reference {

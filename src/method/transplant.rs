@@ -9,7 +9,7 @@
 
 use glam::DVec2;
 
-use super::alignment::Reference;
+use super::alignment::{MAX_PAIRS, Reference};
 use super::repair::{HOLE, Limits, least_distance};
 use crate::analysis::{Cloud, EmptyCircle, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle};
 use crate::domain::{Boundary, keep_inside};
@@ -38,8 +38,6 @@ const GAIN: f64 = 0.2;
 const OPEN: f64 = 10.0;
 /// Misfits below this, in mean spacings, are mere inaccuracy.
 const INACCURATE: f64 = 0.02;
-/// Most pairs of neighbourhoods of output and exemplar that are compared to begin with, half a second of work.
-const MAX_PAIRS: usize = 6_000_000;
 
 /// Points in a rectangle, those before `first` frozen, the others all of one class.
 #[derive(Clone, Copy, Debug)]
