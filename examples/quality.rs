@@ -8,13 +8,14 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use font8x8::{BASIC_FONTS, UnicodeFonts};
 use pointweave::analysis::{Comparison, Defects, MarkError, Quality};
+use pointweave::engine::gpu::{self, Gpu};
 use pointweave::formats::style::Look;
 use pointweave::formats::{draw, encode_png, write_csv};
 use pointweave::gallery::{self, Entry};
@@ -33,7 +34,7 @@ const GAP_PX: u32 = 16;
 const LETTER_PX: u32 = 16;
 /// Two lines of text above each pair of pictures.
 const TEXT_PX: u32 = 2 * LETTER_PX + GAP_PX;
-/// What a run may take, in bytes.
+/// What a run may take, in bytes, of the machine's memory and of a device's.
 const MEMORY_LIMIT: u64 = 4_000_000_000;
 
 /// Run the presets on the gallery, judge every output, and write a table and a sheet of pictures.
@@ -64,12 +65,24 @@ struct Arguments {
     /// What this ablation is called: a folder of its own.
     #[arg(long)]
     label: Option<String>,
+    /// What computes; results of both lie beside each other.
+    #[arg(long, value_enum, default_value_t = EngineArgument::Cpu)]
+    engine: EngineArgument,
     /// Runs side by side, one thread each; their seconds are those of one thread then.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=64))]
     jobs: u8,
     /// Pairs of pictures in a row.
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=12))]
     columns: u32,
+}
+
+/// What computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum EngineArgument {
+    /// The processor
+    Cpu,
+    /// A GPU that has passed the probe, or fail
+    Gpu,
 }
 
 fn boundary(name: &str) -> Result<Boundary, String> {
@@ -142,7 +155,8 @@ fn main() -> Result<()> {
         for &entry in &entries {
             for &seed in &arguments.seeds {
                 let border = arguments.boundary.map_or(String::new(), |boundary| format!("-{}", boundary.name()));
-                let file = folder.join(format!("{}-{}-{seed}{border}.json", preset.name(), entry.name));
+                let engine = if arguments.engine == EngineArgument::Gpu { "-gpu" } else { "" };
+                let file = folder.join(format!("{}-{}-{seed}{border}{engine}.json", preset.name(), entry.name));
                 jobs.push(Job { entry, preset, seed, file });
             }
         }
@@ -150,12 +164,17 @@ fn main() -> Result<()> {
     let left = Mutex::new(jobs.iter().filter(|job| arguments.fresh || !job.file.is_file()).collect::<Vec<_>>());
     let failures = Mutex::new(Vec::new());
     let work = || {
+        // A device for each job: waiting for one waits for everything on it.
+        let gpu = match arguments.engine {
+            EngineArgument::Cpu => None,
+            EngineArgument::Gpu => Some(pollster::block_on(gpu::probe::open())?),
+        };
         loop {
             // In the order of the table.
             let next = left.lock().ok().and_then(|mut left| if left.is_empty() { None } else { Some(left.remove(0)) });
             let Some(job) = next else { break };
             let name = format!("{} {} {}", job.preset.name(), job.entry.name, job.seed);
-            match run(job, &arguments) {
+            match run(job, &arguments, gpu.as_ref()) {
                 Ok(outcome) => println!("{name}: {}", outcome.words()),
                 Err(error) => {
                     println!("{name}: {error:#}");
@@ -163,18 +182,21 @@ fn main() -> Result<()> {
                 }
             }
         }
+        anyhow::Ok(())
     };
     if arguments.jobs == 1 {
-        work();
+        work()?;
     } else {
         let pools = (0..arguments.jobs)
             .map(|_| rayon::ThreadPoolBuilder::new().num_threads(1).build())
             .collect::<Result<Vec<_>, _>>()?;
         std::thread::scope(|scope| {
-            for pool in &pools {
-                scope.spawn(|| pool.install(work));
-            }
-        });
+            let workers: Vec<_> = pools.iter().map(|pool| scope.spawn(|| pool.install(work))).collect();
+            workers
+                .into_iter()
+                .map(|worker| worker.join().unwrap_or_else(|_| bail!("a run panicked")))
+                .collect::<Result<Vec<()>>>()
+        })?;
     }
     for &preset in &arguments.presets {
         let (mut outcomes, mut cells) = (Vec::new(), Vec::new());
@@ -232,10 +254,11 @@ fn parameters(job: &Job, arguments: &Arguments) -> Result<Parameters> {
 }
 
 /// Synthesises, judges, and writes both down.
-fn run(job: &Job, arguments: &Arguments) -> Result<Outcome> {
+fn run(job: &Job, arguments: &Arguments, gpu: Option<&Arc<Gpu>>) -> Result<Outcome> {
     let exemplar = job.entry.exemplar();
     let (start, processor_start) = (Instant::now(), processor_seconds(arguments.jobs > 1));
     let mut synthesis = Synthesis::new(exemplar.clone(), parameters(job, arguments)?, MEMORY_LIMIT)?;
+    synthesis.use_gpu(gpu.cloned(), MEMORY_LIMIT);
     let (mut iterations, mut loss) = (0, f64::NAN);
     loop {
         match synthesis.advance()? {
@@ -244,8 +267,9 @@ fn run(job: &Job, arguments: &Arguments) -> Result<Outcome> {
                 iterations = progress.total_iterations;
                 loss = terms.total();
             }
-            // Nothing here runs on a device.
-            Event::Waiting | Event::EngineChanged { .. } => {}
+            Event::Waiting => synthesis.wait(),
+            // What the processor ended is no result of the device.
+            Event::EngineChanged { reason } => bail!("{reason}"),
             Event::Working | Event::ScaleStarted { .. } | Event::ScaleFinished { .. } => {}
         }
     }

@@ -23,10 +23,10 @@ use crate::engine::{Advance, Engine, ScaleSetup};
 use crate::method::alignment::{align, mend};
 use crate::method::disks::{Disks, Overlaps, movable, separate};
 use crate::method::parameters::Start;
-use crate::method::repair::{Limits, keep_apart, least_distance, relocate};
+use crate::method::repair::{Arrangement, Limits, keep_apart, keep_off_border, least_distance, relocate};
 use crate::method::restart::{shake, wrongness};
 use crate::method::schedule::converged;
-use crate::method::transplant::{Arrangement, transplant};
+use crate::method::transplant::transplant;
 use crate::method::values::{Exchange, Values};
 use crate::method::{ParameterError, Parameters, Schedule, Weights, bands};
 use crate::pattern::{Attribute, MAX_POINTS, PatternError, PointPattern};
@@ -730,12 +730,16 @@ impl Synthesis {
             alignment,
             transplants,
             iterations_polish,
+            repair_scales,
             disk_overlap,
             value_swaps,
             boundary,
             ..
         } = self.parameters;
         let left = self.schedule.scales.len() - self.scale - 1;
+        if repair_scales > 0 && left >= repair_scales as usize {
+            return;
+        }
         let alignment = if left == 0 { alignment } else { 0 };
         // Before the last pass too, which then gives moved points their places.
         let transplants = if left <= usize::from(iterations_polish > 0) { transplants } else { 0 };
@@ -749,17 +753,16 @@ impl Synthesis {
         let mut points: Vec<DVec2> = arranged.iter().map(|&point| self.points[point]).collect();
         let mut sources: Vec<usize> = arranged.iter().map(|&point| self.sources[point]).collect();
         let most = (relocation * (points.len() - first) as f64).ceil() as usize;
-        let relocate = |points: &mut [DVec2]| relocate(points, first, self.output_size, boundary, limits, most);
-        relocate(&mut points);
         let classes = self.classes_of(&sources);
         let arrangement = Arrangement { classes: &classes, first, size: self.output_size, boundary };
+        relocate(&mut points, arrangement, limits, most);
         if alignment > 0 {
             for _ in 0..ALIGNMENTS {
                 let before = points.clone();
                 align(&mut points, arrangement, &exemplar, alignment);
-                mend(&mut points, &before, self.output_size, boundary, limits);
+                mend(&mut points, &before, arrangement, limits);
                 // One too many for its row now stands on another, and can go where one is missing.
-                if relocate(&mut points) == 0 {
+                if relocate(&mut points, arrangement, limits, most) == 0 {
                     break;
                 }
             }
@@ -770,6 +773,7 @@ impl Synthesis {
         if value_swaps > 0 {
             self.exchange_values(&exemplar, &points, &mut sources, first, value_swaps);
         }
+        keep_off_border(&mut points, arrangement, spacing_floor * limits.border);
         let least = least_distance(limits, spacing_floor, self.output_size, points.len());
         if let Some(radii) = &self.radii {
             // The class that moves has the highest number.
@@ -780,7 +784,7 @@ impl Synthesis {
             let domain = (self.output_size, boundary);
             separate(&mut points, &mut sources, first, domain, disks, &overlaps, least);
         } else if least > 0.0 {
-            keep_apart(&mut points, first, self.output_size, boundary, least);
+            keep_apart(&mut points, arrangement, least);
         }
         for ((point, place), source) in arranged.into_iter().zip(points).zip(sources) {
             self.points[point] = place;

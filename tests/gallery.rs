@@ -492,16 +492,16 @@ fn windows_have_one_centre() {
 }
 
 #[test]
-fn presets_suit_lattices_and_values_and_nothing_else() {
+fn presets_suit_lattices_values_classes_and_nothing_else() {
     use pointweave::method::{Parameters, Preset};
     for entry in gallery::entries() {
         let exemplar = entry.exemplar();
         let index = exemplar.aggregation_index().expect("every exemplar has a spacing");
+        let is_lattice = ["hex", "square-grid"].contains(&entry.name);
         for preset in [Preset::Fast, Preset::Balanced] {
             let plain = Parameters { boundary: exemplar.boundary(), ..Parameters::preset(preset) };
             let suited = Parameters::suited_to(preset, &exemplar);
             suited.validate().expect("a preset is valid");
-            let is_lattice = ["hex", "square-grid"].contains(&entry.name);
             // Fast sees values on a finer grid than it sees points.
             let finer = preset == Preset::Fast && !exemplar.attributes().is_empty();
             let plain = if finer { Parameters { coarse_sigma_px: 7.0, ..plain } } else { plain };
@@ -511,11 +511,18 @@ fn presets_suit_lattices_and_values_and_nothing_else() {
                 true => (if is_lattice { 150 } else { 200 }, 80),
                 false => (plain.iterations_coarse, plain.iterations_fine),
             };
-            let plain = Parameters { iterations_coarse: coarse, iterations_fine: fine, ..plain };
-            assert_eq!((suited.iterations_coarse, suited.iterations_fine), (coarse, fine), "{}", entry.name);
+            // Classes share the iterations of one.
+            let shared = if preset == Preset::Fast { exemplar.class_names().len() as u32 } else { 1 };
+            let [coarse, fine, polish] = [coarse, fine, plain.iterations_polish].map(|one| one.div_ceil(shared));
+            let plain =
+                Parameters { iterations_coarse: coarse, iterations_fine: fine, iterations_polish: polish, ..plain };
+            let found = [suited.iterations_coarse, suited.iterations_fine, suited.iterations_polish];
+            assert_eq!(found, [coarse, fine, polish], "{}", entry.name);
             assert_eq!(suited != plain, is_lattice, "{}: index {index:.3}", entry.name);
         }
         let paper = Parameters { boundary: exemplar.boundary(), ..Parameters::preset(Preset::Paper) };
+        let divisor = if is_lattice { 1.7 } else { paper.sigma_coarse_divisor };
+        let paper = Parameters { sigma_coarse_divisor: divisor, ..paper };
         assert_eq!(Parameters::suited_to(Preset::Paper, &exemplar), paper, "{}", entry.name);
     }
 }

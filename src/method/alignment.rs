@@ -12,10 +12,9 @@
 
 use glam::DVec2;
 
-use super::repair::{HOLE, Limits};
-use super::transplant::Arrangement;
+use super::repair::{Arrangement, HOLE, Limits};
 use crate::analysis::{Cloud, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle};
-use crate::domain::{Boundary, keep_inside};
+use crate::domain::keep_inside;
 
 /// A neighbour this many mean spacings from its place stands there by mistake rather than by inaccuracy and is asked
 /// for less, by a Gaussian of this width.
@@ -138,12 +137,11 @@ impl Reference {
 
 /// Puts points back to where they were `before` an alignment, round every hole that it tore: one larger than the
 /// exemplar's and larger than any before. Where a point is missing its neighbours only draw apart from the gap.
-pub fn mend(points: &mut [DVec2], before: &[DVec2], size: DVec2, boundary: Boundary, limits: Limits) {
-    let cloud_of = |points: &[DVec2]| Cloud::new(points.to_vec(), size, boundary);
-    let Ok(old) = cloud_of(before) else { return };
+pub fn mend(points: &mut [DVec2], before: &[DVec2], arrangement: Arrangement<'_>, limits: Limits) {
+    let Some(old) = arrangement.cloud(before) else { return };
     let largest = largest_empty_circle(&old).radius.max(HOLE * limits.hole);
     for _ in 0..MENDED {
-        let Ok(cloud) = cloud_of(points) else { return };
+        let Some(cloud) = arrangement.cloud(points) else { return };
         let hole = largest_empty_circle(&cloud);
         if hole.radius <= largest {
             return;
@@ -157,6 +155,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
 
     use super::*;
+    use crate::domain::Boundary;
     use crate::sampling::{Purpose, Rng, white_noise};
 
     /// `side`² points of a square lattice of spacing 1/6, each moved by a uniform step of up to `jitter` spacings.
@@ -237,7 +236,9 @@ mod tests {
         }
         let hole = |points: &[DVec2]| largest_empty_circle(&cloud(points, 2.0)).radius / limits.hole;
         assert!(hole(&torn) > 2.0, "{}", hole(&torn));
-        mend(&mut torn, &before, DVec2::splat(2.0), Boundary::Periodic, limits);
+        let size = DVec2::splat(2.0);
+        let arrangement = Arrangement { classes: &[0; 144], first: 0, size, boundary: Boundary::Periodic };
+        mend(&mut torn, &before, arrangement, limits);
         assert!(hole(&torn) <= HOLE.max(hole(&before)) + 1e-9, "{}", hole(&torn));
     }
 

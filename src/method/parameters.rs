@@ -106,6 +106,10 @@ impl Preset {
 /// most about 1.85 for blue noise.
 const LATTICE_INDEX: f64 = 1.95;
 
+/// The paper's c₁ for lattices, which are flat at wider σ: the paper has the person choose it, and its published examples
+/// go as far.
+const LATTICE_DIVISOR: f64 = 1.7;
+
 /// How the output points start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -245,8 +249,12 @@ pub struct Parameters {
     pub iterations_fine: u32,
     /// Iterations of a last pass over the finest scale, at half its step, after the repairs; 0 for none.
     pub iterations_polish: u32,
-    /// After each scale points are pushed apart until they keep this share of the exemplar's smallest distance; 0 lets
-    /// them coincide, as the paper.
+    /// Only the last so many scales are followed by repairs: what the next lines say of each scale holds for them. 0 is
+    /// all.
+    #[serde(default)]
+    pub repair_scales: u32,
+    /// After each scale points are pushed apart until they keep this share of the exemplar's smallest distance, and off
+    /// an open border as far as that share of its smallest distance from one; 0 lets them coincide, as the paper.
     pub spacing_floor: f64,
     /// After each scale this share of the points at most goes from crowds into holes, where the exemplar has neither.
     pub relocation: f64,
@@ -315,7 +323,7 @@ impl Range {
 
 impl Parameters {
     /// Range and meaning of every numeric parameter, in the order of the struct's fields.
-    pub const RANGES: [Range; 32] = [
+    pub const RANGES: [Range; 33] = [
         real("expansion-x", 0.25, 8.0, "Width of the result in widths of the exemplar."),
         real("expansion-y", 0.25, 8.0, "Height of the result in heights of the exemplar."),
         whole("seed", 0.0, 9_007_199_254_740_991.0, "Same seed, same exemplar, same parameters: the same pattern."),
@@ -359,6 +367,7 @@ impl Parameters {
         whole("iterations-coarse", 1.0, 5000.0, "Most iterations on the first scale."),
         whole("iterations-fine", 1.0, 5000.0, "Most iterations on every later scale."),
         whole("iterations-polish", 0.0, 5000.0, "Iterations of a last pass over the finest scale."),
+        whole("repair-scales", 0.0, 8.0, "Only the last so many scales are followed by repairs; 0 means all."),
         real(
             "spacing-floor",
             0.0,
@@ -416,6 +425,7 @@ impl Parameters {
             self.iterations_coarse.into(),
             self.iterations_fine.into(),
             self.iterations_polish.into(),
+            self.repair_scales.into(),
             self.spacing_floor,
             self.relocation,
             self.alignment.into(),
@@ -461,8 +471,11 @@ impl Parameters {
             iterations_coarse: 500,
             iterations_fine: 500,
             iterations_polish: 0,
-            spacing_floor: 0.0,
-            relocation: 0.0,
+            // The descent is the paper's throughout. Its outcome may have points on one another and holes, which no
+            // preset may leave behind; nothing else is touched.
+            repair_scales: 1,
+            spacing_floor: 0.6,
+            relocation: 0.1,
             alignment: 0,
             transplants: 0,
             restarts: 0,
@@ -514,6 +527,7 @@ impl Parameters {
                 iterations_coarse: 250,
                 iterations_fine: 100,
                 iterations_polish: 60,
+                repair_scales: 0,
                 spacing_floor: 1.0,
                 relocation: 0.1,
                 alignment: 20,
@@ -526,8 +540,8 @@ impl Parameters {
     }
 
     /// The preset as it suits an exemplar: a tile makes a tile and a window a window, and lattices, which are flat at
-    /// the scales of other patterns, get a fine and narrow ladder, and values at least 7 pixels per wide σ. The Paper
-    /// preset only takes the boundary.
+    /// the scales of other patterns, get a fine and narrow ladder, and values at least 7 pixels per wide σ; Fast
+    /// shares its iterations out among classes. The Paper preset only takes the boundary, and for lattices another c₁.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
@@ -538,19 +552,29 @@ impl Parameters {
             // Radii in another unit than positions are numbers like any other.
             parameters.disk_overlap = 0.0;
         }
+        let is_lattice = Self::is_lattice(exemplar);
         if preset == Preset::Paper {
+            if is_lattice {
+                parameters.sigma_coarse_divisor = LATTICE_DIVISOR;
+            }
             return parameters;
         }
         if !exemplar.attributes().is_empty() {
             // Waves that carry values lose more on a coarse grid than points do.
             parameters.coarse_sigma_px = parameters.coarse_sigma_px.max(7.0);
         }
-        let is_lattice = Self::is_lattice(exemplar);
         if preset == Preset::Fast && (is_lattice || exemplar.boundary() == Boundary::Open) {
             // Each iteration costs more than elsewhere: lattices need the finest grid at all scales, and grids of
             // windows reach beyond the border.
             parameters.iterations_coarse = if is_lattice { 150 } else { 200 };
             parameters.iterations_fine = 80;
+        }
+        if preset == Preset::Fast {
+            // Classes are placed one after another: together they make as many iterations as one.
+            let classes = exemplar.class_names().len() as u32;
+            parameters.iterations_coarse = parameters.iterations_coarse.div_ceil(classes);
+            parameters.iterations_fine = parameters.iterations_fine.div_ceil(classes);
+            parameters.iterations_polish = parameters.iterations_polish.div_ceil(classes);
         }
         if !is_lattice {
             return parameters;

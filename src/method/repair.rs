@@ -8,8 +8,8 @@
 
 use glam::DVec2;
 
-use crate::analysis::{Cloud, Neighbour, largest_empty_circle};
-use crate::domain::Boundary;
+use crate::analysis::{Cloud, largest_empty_circle, nearest_distances};
+use crate::domain::{Boundary, keep_inside};
 
 /// Points stand in each other's way below this share of the exemplar's smallest distance.
 const CROWDED: f64 = 0.85;
@@ -25,6 +25,37 @@ const SLACK: f64 = 1.002;
 /// Pairs that are farther apart than asked for are left so within this.
 const LOOSE: f64 = 1.01;
 
+/// Points in a rectangle, those before `first` frozen, the others all of one class.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrangement<'a> {
+    /// Class of each point.
+    pub classes: &'a [u16],
+    /// The first point that may move.
+    pub first: usize,
+    /// Size of the rectangle.
+    pub size: DVec2,
+    /// What lies beyond its border.
+    pub boundary: Boundary,
+}
+
+impl Arrangement<'_> {
+    /// These places as what they are.
+    #[inline(never)]
+    pub(super) fn cloud(&self, points: &[DVec2]) -> Option<Cloud> {
+        let cloud = Cloud::new(points.to_vec(), self.size, self.boundary).ok()?;
+        cloud.with_classes(self.classes.to_vec()).ok()
+    }
+
+    /// From one place to another, or to its image where that is nearer.
+    pub(super) fn way(&self, from: DVec2, to: DVec2) -> DVec2 {
+        let way = to - from;
+        match self.boundary {
+            Boundary::Periodic => way - (way / self.size).round() * self.size,
+            Boundary::Open => way,
+        }
+    }
+}
+
 /// What an exemplar never exceeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
@@ -32,57 +63,49 @@ pub struct Limits {
     pub distance: f64,
     /// Radius of its largest empty circle.
     pub hole: f64,
+    /// Smallest distance of a point from an open border; 0 where there is none.
+    pub border: f64,
 }
 
 impl Limits {
     /// Those of `exemplar`; none with fewer than two points.
     #[must_use]
     pub fn of(exemplar: &Cloud) -> Option<Self> {
-        let nearest = nearest(exemplar, 0);
-        let distance = nearest.iter().map(|(first, _)| first.distance_squared.sqrt()).reduce(f64::min)?;
-        Some(Self { distance, hole: largest_empty_circle(exemplar).radius })
+        let nearest = nearest_distances(exemplar, 1).ok()?;
+        let distance = nearest.of_rank(1).fold(f64::INFINITY, f64::min);
+        let inside = |point: &DVec2| point.min(exemplar.size() - *point).min_element();
+        let border = match exemplar.boundary() {
+            Boundary::Open => exemplar.points().iter().map(inside).fold(f64::INFINITY, f64::min),
+            Boundary::Periodic => 0.0,
+        };
+        Some(Self { distance, hole: largest_empty_circle(exemplar).radius, border })
     }
 }
 
-/// The two nearest neighbours of every point of `first …`; the second is the first again where there is no other.
-fn nearest(cloud: &Cloud, first: usize) -> Vec<(Neighbour, Neighbour)> {
-    let grid = cloud.neighbours();
-    let mut found = Vec::new();
-    (first..cloud.len())
-        .filter_map(|index| {
-            grid.nearest(cloud.points()[index], 2, Some(index), &mut found);
-            Some((*found.first()?, *found.last()?))
-        })
-        .collect()
-}
-
-/// Moves up to `most` of the points of `first …` from crowds into holes; returns how many. Points before `first` are
-/// frozen but count.
-pub fn relocate(
-    points: &mut [DVec2],
-    first: usize,
-    size: DVec2,
-    boundary: Boundary,
-    limits: Limits,
-    most: usize,
-) -> usize {
+/// Moves up to `most` points from crowds into holes; returns how many. Frozen ones count.
+pub fn relocate(points: &mut [DVec2], arrangement: Arrangement<'_>, limits: Limits, most: usize) -> usize {
+    let first = arrangement.first;
+    let mut found = Vec::with_capacity(2);
     for moved in 0..most {
-        let Ok(cloud) = Cloud::new(points.to_vec(), size, boundary) else { return moved };
+        let Some(cloud) = arrangement.cloud(points) else { return moved };
         let hole = largest_empty_circle(&cloud);
         if hole.radius <= HOLE * limits.hole {
             return moved;
         }
         // Of two that are in each other's way, the one that is more so in the second place.
-        let crowded = nearest(&cloud, first)
-            .into_iter()
-            .enumerate()
-            .filter(|(_, (nearest, _))| nearest.distance_squared.sqrt() < CROWDED * limits.distance)
-            .min_by(|(_, a), (_, b)| {
-                let key = |pair: &(Neighbour, Neighbour)| pair.0.distance_squared + pair.1.distance_squared;
-                key(a).total_cmp(&key(b))
-            });
-        let Some((index, _)) = crowded else { return moved };
-        points[first + index] = hole.center.into();
+        let grid = cloud.neighbours();
+        let mut crowded = None;
+        let mut smallest = f64::INFINITY;
+        for index in first..points.len() {
+            grid.nearest(points[index], 2, Some(index), &mut found);
+            let (Some(nearest), Some(next)) = (found.first(), found.last()) else { continue };
+            let both = nearest.distance_squared + next.distance_squared;
+            if both < smallest && nearest.distance_squared.sqrt() < CROWDED * limits.distance {
+                (crowded, smallest) = (Some(index), both);
+            }
+        }
+        let Some(index) = crowded else { return moved };
+        points[index] = hole.center.into();
     }
     most
 }
@@ -95,12 +118,24 @@ pub fn least_distance(limits: Limits, share: f64, size: DVec2, count: usize) -> 
     (share * limits.distance).min(WIDEST * packed)
 }
 
-/// Pushes the points of `first …` apart until none is nearer to another than `distance`, or as near to that as a
-/// bounded number of rounds comes.
-pub fn keep_apart(points: &mut [DVec2], first: usize, size: DVec2, boundary: Boundary, distance: f64) {
+/// Pushes points apart until none is nearer to another than `distance`, or as near to that as a bounded number of rounds
+/// comes.
+pub fn keep_apart(points: &mut [DVec2], arrangement: Arrangement<'_>, distance: f64) {
+    let Arrangement { first, size, boundary, .. } = arrangement;
     settle(points, first, size, boundary, SLACK * distance, &|contacts| {
         contacts.iter_mut().for_each(|contact| contact.least = distance);
     });
+}
+
+/// Moves points that are nearer to an open border than `distance` so far away from it.
+pub fn keep_off_border(points: &mut [DVec2], arrangement: Arrangement<'_>, distance: f64) {
+    let Arrangement { first, size, boundary, .. } = arrangement;
+    if boundary == Boundary::Periodic {
+        return;
+    }
+    // An output may be smaller than its exemplar.
+    let inset = DVec2::splat(distance).min(0.5 * size);
+    points.iter_mut().skip(first).for_each(|point| *point = point.clamp(inset, size - inset));
 }
 
 /// Two points near one another, and the distances they may have.
@@ -179,7 +214,7 @@ pub(super) fn settle(
         }
         parted = !close;
         for (point, push) in points.iter_mut().zip(&push).skip(first) {
-            *point = crate::domain::keep_inside(*point + *push, size, boundary);
+            *point = keep_inside(*point + *push, size, boundary);
         }
     }
     parted
@@ -198,25 +233,52 @@ mod tests {
         Cloud::new(points.to_vec(), DVec2::ONE, Boundary::Periodic).unwrap_or_else(|error| unreachable!("{error}"))
     }
 
+    fn arrangement(classes: &[u16], first: usize, size: DVec2, boundary: Boundary) -> Arrangement<'_> {
+        Arrangement { classes, first, size, boundary }
+    }
+
     #[test]
     fn a_point_beside_another_goes_to_the_empty_place() {
         let whole = grid(6);
+        let lattice = |first| arrangement(&[0; 36], first, DVec2::ONE, Boundary::Periodic);
         let limits = Limits::of(&cloud(&whole)).unwrap_or_else(|| unreachable!());
         assert!((limits.distance - 1.0 / 6.0).abs() < 1e-12);
         let mut broken = whole.clone();
         broken[14] = whole[3] + 0.02;
-        assert_eq!(relocate(&mut broken, 0, DVec2::ONE, Boundary::Periodic, limits, 10), 1);
+        assert_eq!(relocate(&mut broken, lattice(0), limits, 10), 1);
         let filled = broken.iter().map(|point| point.distance(whole[14])).fold(f64::INFINITY, f64::min);
         assert!(filled < 0.01, "{filled}");
         // What is as it should be is left alone, and so is what may not move.
         let mut same = whole.clone();
-        assert_eq!(relocate(&mut same, 0, DVec2::ONE, Boundary::Periodic, limits, 10), 0);
+        assert_eq!(relocate(&mut same, lattice(0), limits, 10), 0);
         assert_eq!(same, whole);
         let mut frozen = whole.clone();
         frozen[14] = whole[3] + 0.02;
         let before = frozen.clone();
-        assert_eq!(relocate(&mut frozen, 36, DVec2::ONE, Boundary::Periodic, limits, 10), 0);
+        assert_eq!(relocate(&mut frozen, lattice(36), limits, 10), 0);
         assert_eq!(frozen, before);
+    }
+
+    #[test]
+    fn no_point_stays_nearer_to_an_open_border_than_the_exemplar_s() {
+        let limits = |boundary| {
+            let exemplar = Cloud::new(grid(6), DVec2::ONE, boundary).unwrap_or_else(|error| unreachable!("{error}"));
+            Limits::of(&exemplar).unwrap_or_else(|| unreachable!()).border
+        };
+        assert!((limits(Boundary::Open) - 1.0 / 12.0).abs() < 1e-12);
+        assert_eq!(limits(Boundary::Periodic), 0.0);
+        let size = DVec2::new(2.0, 0.1);
+        let mut points = [DVec2::new(0.0, 0.06), DVec2::new(1.99, 0.04), DVec2::new(1.2, 0.05)];
+        let before = points;
+        let rectangle = |first, boundary| arrangement(&[0; 3], first, size, boundary);
+        keep_off_border(&mut points, rectangle(0, Boundary::Periodic), 0.03);
+        keep_off_border(&mut points, rectangle(3, Boundary::Open), 0.03);
+        assert_eq!(points, before, "a torus has no border, and frozen points stay");
+        keep_off_border(&mut points, rectangle(0, Boundary::Open), 0.03);
+        assert_eq!(points, [DVec2::new(0.03, 0.06), DVec2::new(1.97, 0.04), DVec2::new(1.2, 0.05)]);
+        // Where there is no room, the middle.
+        keep_off_border(&mut points, rectangle(0, Boundary::Open), 0.08);
+        assert_eq!(points.map(|point| point.y), [0.05; 3]);
     }
 
     #[test]
@@ -229,10 +291,10 @@ mod tests {
                 cloud.and_then(|cloud| Limits::of(&cloud)).map_or(0.0, |limits| limits.distance)
             };
             assert_eq!(distance(&points), 0.0);
-            let limits = Limits { distance: 0.05, hole: 1.0 };
+            let limits = Limits { distance: 0.05, hole: 1.0, border: 0.0 };
             let least = least_distance(limits, 1.0, DVec2::ONE, points.len());
             assert_eq!(least, 0.05);
-            keep_apart(&mut points, 0, DVec2::ONE, boundary, least);
+            keep_apart(&mut points, arrangement(&[0; 200], 0, DVec2::ONE, boundary), least);
             assert!(distance(&points) >= 0.05 - 1e-12, "{boundary:?}: {}", distance(&points));
             assert!(points.iter().all(|p| p.cmpge(DVec2::ZERO).all() && p.cmple(DVec2::ONE).all()));
         }

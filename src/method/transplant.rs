@@ -10,7 +10,7 @@
 use glam::DVec2;
 
 use super::alignment::{MAX_PAIRS, Reference};
-use super::repair::{HOLE, Limits, least_distance};
+use super::repair::{Arrangement, HOLE, Limits, least_distance};
 use crate::analysis::{Cloud, EmptyCircle, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle};
 use crate::domain::{Boundary, keep_inside};
 use crate::sorting::order;
@@ -38,36 +38,6 @@ const GAIN: f64 = 0.2;
 const OPEN: f64 = 10.0;
 /// Misfits below this, in mean spacings, are mere inaccuracy.
 const INACCURATE: f64 = 0.02;
-
-/// Points in a rectangle, those before `first` frozen, the others all of one class.
-#[derive(Clone, Copy, Debug)]
-pub struct Arrangement<'a> {
-    /// Class of each point.
-    pub classes: &'a [u16],
-    /// The first point that may move.
-    pub first: usize,
-    /// Size of the rectangle.
-    pub size: DVec2,
-    /// What lies beyond its border.
-    pub boundary: Boundary,
-}
-
-impl Arrangement<'_> {
-    #[inline(never)]
-    pub(super) fn cloud(&self, points: &[DVec2]) -> Option<Cloud> {
-        let cloud = Cloud::new(points.to_vec(), self.size, self.boundary).ok()?;
-        cloud.with_classes(self.classes.to_vec()).ok()
-    }
-
-    /// From one place to another, or to its image where that is nearer.
-    fn way(&self, from: DVec2, to: DVec2) -> DVec2 {
-        let way = to - from;
-        match self.boundary {
-            Boundary::Periodic => way - (way / self.size).round() * self.size,
-            Boundary::Open => way,
-        }
-    }
-}
 
 /// What is wrong with one neighbourhood.
 #[derive(Clone, Debug, Default)]
@@ -239,12 +209,11 @@ pub fn transplant(
                 break 'moves;
             }
             left -= 1;
-            let around = |reach: f64| -> Vec<usize> {
-                let felt =
-                    |&other: &usize| other == index || near(state[other], from, reach) || near(state[other], to, reach);
-                (0..state.len()).filter(felt).collect()
+            let within = |other: usize, reach: f64| {
+                other == index || near(state[other], from, reach) || near(state[other], to, reach)
             };
-            let (felt, some) = (around(REACH + RIM), around(REACH));
+            let felt: Vec<usize> = (0..state.len()).filter(|&other| within(other, REACH + RIM)).collect();
+            let some: Vec<usize> = felt.iter().copied().filter(|&other| within(other, REACH)).collect();
             let aligned = |place: DVec2| {
                 let mut moved = state.clone();
                 moved[index] = place;
