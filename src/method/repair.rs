@@ -96,8 +96,8 @@ pub fn relocate(points: &mut [DVec2], arrangement: Arrangement<'_>, limits: Limi
         let grid = cloud.neighbours();
         let mut crowded = None;
         let mut smallest = f64::INFINITY;
-        for index in first..points.len() {
-            grid.nearest(points[index], 2, Some(index), &mut found);
+        for (index, &point) in points.iter().enumerate().skip(first) {
+            grid.nearest(point, 2, Some(index), &mut found);
             let (Some(nearest), Some(next)) = (found.first(), found.last()) else { continue };
             let both = nearest.distance_squared + next.distance_squared;
             if both < smallest && nearest.distance_squared.sqrt() < CROWDED * limits.distance {
