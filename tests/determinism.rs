@@ -62,6 +62,50 @@ fn any_number_of_threads_gives_the_same_bits() {
 }
 
 #[test]
+fn repairs_follow_the_last_scales_only_where_asked_for() {
+    // Points as the second scale finds them, and in the end.
+    let run_with = |repair_scales: u32, spacing_floor: f64| {
+        let parameters = Parameters {
+            repair_scales,
+            spacing_floor,
+            start: Start::WhiteNoise,
+            iterations_polish: 0,
+            alignment: 0,
+            transplants: 0,
+            ..small(Boundary::Periodic, 5)
+        };
+        let mut run = Synthesis::new(rings(), parameters, GENEROUS).unwrap();
+        let mut between = None;
+        loop {
+            match run.advance().unwrap() {
+                Event::Finished => return (between.unwrap(), run.points().to_vec()),
+                Event::ScaleFinished { .. } if between.is_none() => between = Some(run.points().to_vec()),
+                _ => {}
+            }
+        }
+    };
+    let closest = |points: &[DVec2]| {
+        let size = DVec2::splat(2.0);
+        let distance = |a: DVec2, b: DVec2| {
+            let way = a - b;
+            (way - (way / size).round() * size).length()
+        };
+        let pairs = (0..points.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        pairs.map(|(i, j)| distance(points[i], points[j])).fold(f64::INFINITY, f64::min)
+    };
+    let (last, all, half, none) = (run_with(1, 1.0), run_with(0, 1.0), run_with(1, 0.5), run_with(0, 0.0));
+    let wanted = closest(&gallery::find("rings").unwrap().exemplar().positions_in_exemplar_units());
+    assert!(closest(&last.0) < 0.5 * wanted && closest(&last.1) > 0.99 * wanted);
+    assert!(closest(&all.0) > 0.99 * wanted && closest(&all.1) > 0.99 * wanted);
+    assert!(closest(&half.1) > 0.49 * wanted);
+    // Without repairs between them the scales do not know of any.
+    assert_eq!(last.0, half.0);
+    assert_ne!(last.0, all.0);
+    // Negative control: no floor at all.
+    assert!(closest(&none.1) < 0.5 * wanted, "{} of {wanted}", closest(&none.1));
+}
+
+#[test]
 fn a_saved_run_continues_as_if_never_stopped() {
     let (first, _) = run_all(rings(), small(Boundary::Periodic, 5));
     for restarts in [0, 2] {
