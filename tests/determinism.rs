@@ -4,7 +4,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
 
 use glam::DVec2;
+use pointweave::analysis::Cloud;
 use pointweave::method::parameters::Start;
+use pointweave::method::repair::Limits;
 use pointweave::method::{Parameters, Preset};
 use pointweave::synthesis::{Best, Event, Synthesis, SynthesisError, SynthesisState};
 use pointweave::{Attribute, Boundary, Domain, PointPattern, gallery};
@@ -85,16 +87,11 @@ fn repairs_follow_the_last_scales_only_where_asked_for() {
         }
     };
     let closest = |points: &[DVec2]| {
-        let size = DVec2::splat(2.0);
-        let distance = |a: DVec2, b: DVec2| {
-            let way = a - b;
-            (way - (way / size).round() * size).length()
-        };
-        let pairs = (0..points.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
-        pairs.map(|(i, j)| distance(points[i], points[j])).fold(f64::INFINITY, f64::min)
+        let cloud = Cloud::new(points.to_vec(), DVec2::splat(2.0), Boundary::Periodic).unwrap();
+        Limits::of(&cloud).unwrap().distance
     };
     let (last, all, half, none) = (run_with(1, 1.0), run_with(0, 1.0), run_with(1, 0.5), run_with(0, 0.0));
-    let wanted = closest(&gallery::find("rings").unwrap().exemplar().positions_in_exemplar_units());
+    let wanted = Limits::of(&Cloud::of(&rings())).unwrap().distance;
     assert!(closest(&last.0) < 0.5 * wanted && closest(&last.1) > 0.99 * wanted);
     assert!(closest(&all.0) > 0.99 * wanted && closest(&all.1) > 0.99 * wanted);
     assert!(closest(&half.1) > 0.49 * wanted);
