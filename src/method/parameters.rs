@@ -563,18 +563,18 @@ impl Parameters {
             // Waves that carry values lose more on a coarse grid than points do.
             parameters.coarse_sigma_px = parameters.coarse_sigma_px.max(7.0);
         }
-        if preset == Preset::Fast && (is_lattice || exemplar.boundary() == Boundary::Open) {
-            // Each iteration costs more than elsewhere: lattices need the finest grid at all scales, and grids of
-            // windows reach beyond the border.
-            parameters.iterations_coarse = if is_lattice { 150 } else { 200 };
-            parameters.iterations_fine = 80;
-        }
         if preset == Preset::Fast {
+            if is_lattice || exemplar.boundary() == Boundary::Open {
+                // Each iteration costs more than elsewhere: lattices need the finest grid at all scales, and grids of
+                // windows reach beyond the border.
+                parameters.iterations_coarse = if is_lattice { 150 } else { 200 };
+                parameters.iterations_fine = 80;
+            }
             // Classes are placed one after another: together they make as many iterations as one.
             let classes = exemplar.class_names().len() as u32;
-            parameters.iterations_coarse = parameters.iterations_coarse.div_ceil(classes);
-            parameters.iterations_fine = parameters.iterations_fine.div_ceil(classes);
-            parameters.iterations_polish = parameters.iterations_polish.div_ceil(classes);
+            let shared =
+                [&mut parameters.iterations_coarse, &mut parameters.iterations_fine, &mut parameters.iterations_polish];
+            shared.into_iter().for_each(|iterations| *iterations = iterations.div_ceil(classes));
         }
         if !is_lattice {
             return parameters;
