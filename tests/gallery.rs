@@ -492,6 +492,28 @@ fn windows_have_one_centre() {
 }
 
 #[test]
+fn classes_without_points_take_no_iterations_and_many_classes_keep_a_quarter() {
+    use pointweave::method::{Parameters, Preset};
+    let plain = Parameters::preset(Preset::Fast);
+    let pattern = entry("rings").exemplar();
+    let coarse = |preset, classes: u16, names: u16| {
+        let given = (0..pattern.len() as u16).map(|point| point % classes).collect();
+        let names = (0..names).map(|name| format!("c{name}")).collect();
+        let pattern = pattern.clone().with_classes(given, names).expect("as many classes as names, or fewer");
+        Parameters::suited_to(preset, &pattern).iterations_coarse
+    };
+    let one = plain.iterations_coarse;
+    assert_eq!(coarse(Preset::Fast, 2, 2), one.div_ceil(2));
+    assert_eq!(coarse(Preset::Fast, 2, 7), one.div_ceil(2), "five of seven classes are empty");
+    assert_eq!([4, 9].map(|classes| coarse(Preset::Fast, classes, 9)), [one.div_ceil(4); 2]);
+    let one = Parameters::preset(Preset::Balanced).iterations_coarse;
+    let found = [2, 3, 8, 9].map(|classes| coarse(Preset::Balanced, classes, 9));
+    assert_eq!(found, [one, (2 * one).div_ceil(3), one.div_ceil(4), one.div_ceil(4)]);
+    let one = Parameters::preset(Preset::Best).iterations_coarse;
+    assert_eq!(coarse(Preset::Best, 9, 9), one);
+}
+
+#[test]
 fn presets_suit_lattices_values_classes_and_nothing_else() {
     use pointweave::method::{Parameters, Preset};
     for entry in gallery::entries() {
@@ -502,8 +524,9 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
             let plain = Parameters { boundary: exemplar.boundary(), ..Parameters::preset(preset) };
             let suited = Parameters::suited_to(preset, &exemplar);
             suited.validate().expect("a preset is valid");
-            // Fast sees values on a finer grid than it sees points.
-            let finer = preset == Preset::Fast && !exemplar.attributes().is_empty();
+            // Fast sees the values of a single class on a finer grid than it sees points.
+            let classes = exemplar.class_names().len() as u32;
+            let finer = preset == Preset::Fast && !exemplar.attributes().is_empty() && classes == 1;
             let plain = if finer { Parameters { coarse_sigma_px: 7.0, ..plain } } else { plain };
             // Where each iteration costs more, Fast makes fewer.
             let fewer = preset == Preset::Fast && (is_lattice || exemplar.boundary() == Boundary::Open);
@@ -511,9 +534,10 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
                 true => (if is_lattice { 150 } else { 200 }, 80),
                 false => (plain.iterations_coarse, plain.iterations_fine),
             };
-            // Classes share the iterations of one.
-            let shared = if preset == Preset::Fast { exemplar.class_names().len() as u32 } else { 1 };
-            let [coarse, fine, polish] = [coarse, fine, plain.iterations_polish].map(|one| one.div_ceil(shared));
+            // Classes share the iterations of one, with Balanced those of two.
+            let full = if preset == Preset::Fast { 1 } else { 2 };
+            let shared = |one: u32| if classes > full { (one * full).div_ceil(classes) } else { one };
+            let [coarse, fine, polish] = [coarse, fine, plain.iterations_polish].map(shared);
             let plain =
                 Parameters { iterations_coarse: coarse, iterations_fine: fine, iterations_polish: polish, ..plain };
             let found = [suited.iterations_coarse, suited.iterations_fine, suited.iterations_polish];

@@ -540,8 +540,9 @@ impl Parameters {
     }
 
     /// The preset as it suits an exemplar: a tile makes a tile and a window a window, and lattices, which are flat at
-    /// the scales of other patterns, get a fine and narrow ladder, and values at least 7 pixels per wide σ; Fast
-    /// shares its iterations out among classes. The Paper preset only takes the boundary, and for lattices another c₁.
+    /// the scales of other patterns, get a fine and narrow ladder, and values of a single class at least 7 pixels per
+    /// wide σ. Up to four classes together make as many iterations as one with Fast, up to eight as many as two with
+    /// Balanced. The Paper preset only takes the boundary, and for lattices another c₁.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
@@ -559,23 +560,27 @@ impl Parameters {
             }
             return parameters;
         }
-        if !exemplar.attributes().is_empty() {
-            // Waves that carry values lose more on a coarse grid than points do.
+        let classes = parameters.class_order.of(exemplar).len() as u32;
+        if !exemplar.attributes().is_empty() && classes == 1 {
+            // Waves that carry values lose more on a coarse grid than points do. With several classes it takes too long.
             parameters.coarse_sigma_px = parameters.coarse_sigma_px.max(7.0);
         }
-        if preset == Preset::Fast {
-            if is_lattice || exemplar.boundary() == Boundary::Open {
-                // Each iteration costs more than elsewhere: lattices need the finest grid at all scales, and grids of
-                // windows reach beyond the border.
-                parameters.iterations_coarse = if is_lattice { 150 } else { 200 };
-                parameters.iterations_fine = 80;
-            }
-            // Classes are placed one after another: together they make as many iterations as one.
-            let classes = exemplar.class_names().len() as u32;
-            let shared =
-                [&mut parameters.iterations_coarse, &mut parameters.iterations_fine, &mut parameters.iterations_polish];
-            shared.into_iter().for_each(|iterations| *iterations = iterations.div_ceil(classes));
+        if preset == Preset::Fast && (is_lattice || exemplar.boundary() == Boundary::Open) {
+            // Each iteration costs more than elsewhere: lattices need the finest grid at all scales, and grids of
+            // windows reach beyond the border.
+            parameters.iterations_coarse = if is_lattice { 150 } else { 200 };
+            parameters.iterations_fine = 80;
         }
+        // Classes are placed one after another. With less than a quarter of the iterations nothing comes of any.
+        let full = match preset {
+            Preset::Fast => 1,
+            Preset::Balanced => 2,
+            Preset::Best | Preset::Paper => classes,
+        };
+        let share = f64::from(full) / f64::from(classes.clamp(full, 4 * full));
+        let shared =
+            [&mut parameters.iterations_coarse, &mut parameters.iterations_fine, &mut parameters.iterations_polish];
+        shared.into_iter().for_each(|iterations| *iterations = (share * f64::from(*iterations)).ceil() as u32);
         if !is_lattice {
             return parameters;
         }
