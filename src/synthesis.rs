@@ -781,8 +781,7 @@ impl Synthesis {
             let Ok(all) = Cloud::of(&self.exemplar).with_classes(turns.clone()) else { return };
             let overlaps = Overlaps::of(&all, radii, self.turn as u16, disk_overlap);
             let disks = Disks { radii, classes: &turns };
-            let domain = (self.output_size, boundary);
-            separate(&mut points, &mut sources, first, domain, disks, &overlaps, least);
+            separate(&mut points, &mut sources, arrangement, disks, &overlaps, least);
         } else if least > 0.0 {
             keep_apart(&mut points, arrangement, least);
         }

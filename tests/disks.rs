@@ -7,6 +7,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec2;
 use pointweave::analysis::{AnalysisError, Cloud, OverlapStatistics, lens_area};
 use pointweave::method::disks::{Disks, Overlaps, separate};
+use pointweave::method::repair::Arrangement;
 use pointweave::method::values::{Exchange, Values};
 use pointweave::method::{Parameters, Preset};
 use pointweave::sampling::{Purpose, Rng, poisson_disk, white_noise};
@@ -185,9 +186,11 @@ fn no_overlap_stays_none_and_some_stays_some() {
             // Negative control: as dealt they overlap, and otherwise than the exemplar's.
             let before = measure(&start, &dealt);
             assert!((before.fraction - wanted.fraction).abs() > 0.02, "{name} {boundary:?}: {}", before.fraction);
+            let classes = vec![0; start.len()];
+            let all = Arrangement { classes: &classes, first: 0, size, boundary };
             let move_all = || {
                 let (mut points, mut sources) = (start.clone(), dealt.clone());
-                let parted = separate(&mut points, &mut sources, 0, (size, boundary), disks, &limits, 0.0);
+                let parted = separate(&mut points, &mut sources, all, disks, &limits, 0.0);
                 (points, sources, parted)
             };
             let (points, sources, parted) = move_all();
@@ -218,7 +221,8 @@ fn disks_that_jam_exchange_their_places() {
     let mut sources: Vec<usize> = (0..14).collect();
     let disks = Disks { radii: &radii, classes: &[0; 14] };
     let frozen = points[..12].to_vec();
-    assert!(separate(&mut points, &mut sources, 12, (DVec2::ONE, Boundary::Open), disks, &none, 0.0));
+    let last = Arrangement { classes: &[0; 14], first: 12, size: DVec2::ONE, boundary: Boundary::Open };
+    assert!(separate(&mut points, &mut sources, last, disks, &none, 0.0));
     assert_eq!(points[..12], frozen);
     assert_eq!(sources[..12], (0..12).collect::<Vec<_>>());
     let of: Vec<f64> = sources.iter().map(|&source| radii[source]).collect();
@@ -237,13 +241,14 @@ fn frozen_disks_count_but_stay() {
     let first = 40;
     let anew = white_noise(&mut Rng::new(3, Purpose::Gallery), DVec2::ONE, points.len() - first);
     points[first..].copy_from_slice(&anew);
-    let (before, domain) = (points.clone(), (DVec2::ONE, Boundary::Periodic));
+    let before = points.clone();
+    let small = Arrangement { classes: pattern.classes(), first, size: DVec2::ONE, boundary: Boundary::Periodic };
     let measure = |points: &[DVec2], sources: &[usize]| {
         let of: Vec<f64> = sources.iter().map(|&source| radii[source]).collect();
-        overlaps(points, domain.0, domain.1, &of)
+        overlaps(points, small.size, small.boundary, &of)
     };
     assert!(measure(&points, &sources).pairs > 10);
-    assert!(separate(&mut points, &mut sources, first, domain, disks, &limits, 0.0));
+    assert!(separate(&mut points, &mut sources, small, disks, &limits, 0.0));
     assert_eq!(measure(&points, &sources).pairs, 0);
     assert_eq!(points[..first], before[..first]);
     assert_eq!(sources[..first], (0..first).collect::<Vec<_>>());

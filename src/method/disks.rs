@@ -9,9 +9,8 @@ use std::f64::consts::PI;
 
 use glam::DVec2;
 
-use super::repair::{Contact, contacts, settle};
+use super::repair::{Arrangement, Contact, contacts, settle};
 use crate::analysis::Cloud;
-use crate::domain::Boundary;
 use crate::sorting::{ascending, order};
 
 /// Disks keep a distance of the exemplar's as long as, with it, they fill no more than this share of the area: random
@@ -116,28 +115,28 @@ pub fn movable(count: usize, density: f64, largest: f64) -> bool {
     0.5 * PI * (2.0 * NEAR * largest).powi(2) * density * count as f64 <= MAX_PAIRS
 }
 
-/// Moves the points of `first …` until their disks overlap as `overlaps` says and no two are nearer to each other than
+/// Moves the points that may move until their disks overlap as `overlaps` says and no two are nearer to each other than
 /// `least`. Where they jam, a disk without room exchanges its source with a smaller one that has more, or goes to a place
-/// that has. Says whether none is deeper in another than it should be in the end. Points before `first` are frozen but count.
+/// that has. Says whether none is deeper in another than it should be in the end. Frozen points count.
 pub fn separate(
     points: &mut [DVec2],
     sources: &mut [usize],
-    first: usize,
-    (size, boundary): (DVec2, Boundary),
+    arrangement: Arrangement<'_>,
     disks: Disks<'_>,
     overlaps: &Overlaps,
     least: f64,
 ) -> bool {
+    let first = arrangement.first;
     let largest = sources.iter().map(|&source| disks.radii[source]).fold(0.0, f64::max);
     let reach = (2.0 * NEAR * largest).max(NEAR * least);
     for _ in 0..EXCHANGES {
-        let parted = settle(points, first, size, boundary, reach, &|contacts| {
+        let parted = settle(points, arrangement, reach, &|contacts| {
             overlaps.demand(contacts, sources, first, disks, least);
         });
         if parted {
             return true;
         }
-        let Ok(cloud) = Cloud::new(points.to_vec(), size, boundary) else { return false };
+        let Some(cloud) = arrangement.cloud(points) else { return false };
         // Where disks may overlap, lack of room is no reason.
         if !overlaps.none() || !make_room(&cloud, reach, points, sources, first, disks.radii, overlaps.widest()) {
             return false;

@@ -121,8 +121,7 @@ pub fn least_distance(limits: Limits, share: f64, size: DVec2, count: usize) -> 
 /// Pushes points apart until none is nearer to another than `distance`, or as near to that as a bounded number of rounds
 /// comes.
 pub fn keep_apart(points: &mut [DVec2], arrangement: Arrangement<'_>, distance: f64) {
-    let Arrangement { first, size, boundary, .. } = arrangement;
-    settle(points, first, size, boundary, SLACK * distance, &|contacts| {
+    settle(points, arrangement, SLACK * distance, &|contacts| {
         contacts.iter_mut().for_each(|contact| contact.least = distance);
     });
 }
@@ -165,20 +164,19 @@ pub(super) fn contacts(cloud: &Cloud, first: usize, reach: f64) -> Vec<Contact> 
     found
 }
 
-/// Moves the points of `first …` until all pairs within `reach` have the distances that `demand` gives them, or a
+/// Moves the points that may move until all pairs within `reach` have the distances that `demand` gives them, or a
 /// bounded number of rounds is over, the second half of which only parts what is too close; says whether nothing is in
 /// the end.
 pub(super) fn settle(
     points: &mut [DVec2],
-    first: usize,
-    size: DVec2,
-    boundary: Boundary,
+    arrangement: Arrangement<'_>,
     reach: f64,
     demand: &dyn Fn(&mut [Contact]),
 ) -> bool {
+    let Arrangement { first, size, boundary, .. } = arrangement;
     let mut parted = false;
     for round in 0..ROUNDS {
-        let Ok(cloud) = Cloud::new(points.to_vec(), size, boundary) else { return false };
+        let Some(cloud) = arrangement.cloud(points) else { return false };
         let mut contacts = contacts(&cloud, first, reach);
         demand(&mut contacts);
         let mut push = vec![DVec2::ZERO; points.len()];
