@@ -544,6 +544,10 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
             assert_eq!(found, [coarse, fine, polish], "{}", entry.name);
             assert_eq!(suited != plain, is_lattice, "{}: index {index:.3}", entry.name);
         }
+        let best = Parameters::suited_to(Preset::Best, &exemplar);
+        let open = exemplar.boundary() == Boundary::Open;
+        let found = (best.channels, best.iterations_coarse, best.iterations_fine, best.restarts);
+        assert_eq!(found, if open { (96, 500, 300, 2) } else { (48, 400, 200, 8) }, "{}", entry.name);
         let paper = Parameters { boundary: exemplar.boundary(), ..Parameters::preset(Preset::Paper) };
         let divisor = if is_lattice { 1.7 } else { paper.sigma_coarse_divisor };
         let paper = Parameters { sigma_coarse_divisor: divisor, ..paper };
