@@ -540,8 +540,8 @@ impl Parameters {
     }
 
     /// The preset as it suits an exemplar: a tile makes a tile and a window a window, and lattices, which are flat at
-    /// the scales of other patterns, get a fine and narrow ladder. Values get longer steps with Fast and, of a single
-    /// class, at least 7 pixels per wide σ. Best spends its time on windows in a larger network instead of on other
+    /// the scales of other patterns, get a fine and narrow ladder. Values get longer steps, but not with Best, and, of a
+    /// single class, at least 7 pixels per wide σ. Best spends its time on windows in a larger network instead of on other
     /// tries. Up to four classes together make as many iterations as one with Fast, up to eight as many as two with
     /// Balanced. The Paper preset only takes the boundary, and for lattices another c₁.
     #[must_use]
@@ -568,10 +568,10 @@ impl Parameters {
                 // long.
                 parameters.coarse_sigma_px = parameters.coarse_sigma_px.max(7.0);
             }
-            if preset == Preset::Fast {
+            if preset != Preset::Best {
                 // They have more to match, and with small steps are far from it when the iterations are over.
-                parameters.learning_rate_coarse = 0.12;
-                parameters.learning_rate_fine = 0.08;
+                parameters.learning_rate_coarse = 0.16;
+                parameters.learning_rate_fine = 0.12;
             }
         }
         if preset == Preset::Fast && (is_lattice || exemplar.boundary() == Boundary::Open) {
