@@ -528,8 +528,8 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
             let classes = exemplar.class_names().len() as u32;
             let finer = preset == Preset::Fast && !exemplar.attributes().is_empty() && classes == 1;
             let plain = if finer { Parameters { coarse_sigma_px: 7.0, ..plain } } else { plain };
-            // Both go longer steps with values.
-            let longer = !exemplar.attributes().is_empty();
+            // Both go longer steps with values and classes.
+            let longer = !is_lattice && (!exemplar.attributes().is_empty() || classes > 1);
             let [coarse, fine] = if longer { [0.16, 0.12] } else { [0.04, 0.04] };
             let plain = Parameters { learning_rate_coarse: coarse, learning_rate_fine: fine, ..plain };
             // Where each iteration costs more, Fast makes fewer.

@@ -540,10 +540,10 @@ impl Parameters {
     }
 
     /// The preset as it suits an exemplar: a tile makes a tile and a window a window, and lattices, which are flat at
-    /// the scales of other patterns, get a fine and narrow ladder. Values get longer steps, but not with Best, and, of a
-    /// single class, at least 7 pixels per wide σ. Best spends its time on windows in a larger network instead of on other
-    /// tries. Up to four classes together make as many iterations as one with Fast, up to eight as many as two with
-    /// Balanced. The Paper preset only takes the boundary, and for lattices another c₁.
+    /// the scales of other patterns, get a fine and narrow ladder. Other values and classes get longer steps, but not
+    /// with Best, and values of a single class at least 7 pixels per wide σ. Best spends its time on windows in a larger
+    /// network instead of on other tries. Up to four classes together make as many iterations as one with Fast, up to
+    /// eight as many as two with Balanced. The Paper preset only takes the boundary, and for lattices another c₁.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
@@ -562,17 +562,15 @@ impl Parameters {
             return parameters;
         }
         let classes = parameters.class_order.of(exemplar).len() as u32;
-        if !exemplar.attributes().is_empty() {
-            if classes == 1 {
-                // Waves that carry values lose more on a coarse grid than points do. With several classes it takes too
-                // long.
-                parameters.coarse_sigma_px = parameters.coarse_sigma_px.max(7.0);
-            }
-            if preset != Preset::Best {
-                // They have more to match, and with small steps are far from it when the iterations are over.
-                parameters.learning_rate_coarse = 0.16;
-                parameters.learning_rate_fine = 0.12;
-            }
+        let has_values = !exemplar.attributes().is_empty();
+        if has_values && classes == 1 {
+            // Waves that carry values lose more on a coarse grid than points do. With several classes it takes too long.
+            parameters.coarse_sigma_px = parameters.coarse_sigma_px.max(7.0);
+        }
+        if preset != Preset::Best && !is_lattice && (has_values || classes > 1) {
+            // They have more to match, and with small steps are far from it when the iterations are over.
+            parameters.learning_rate_coarse = 0.16;
+            parameters.learning_rate_fine = 0.12;
         }
         if preset == Preset::Fast && (is_lattice || exemplar.boundary() == Boundary::Open) {
             // Each iteration costs more than elsewhere: lattices need the finest grid at all scales, and grids of
