@@ -23,7 +23,7 @@ use crate::engine::{Advance, Engine, ScaleSetup};
 use crate::method::alignment::{align, mend};
 use crate::method::disks::{Disks, Overlaps, movable, separate};
 use crate::method::parameters::Start;
-use crate::method::repair::{Arrangement, Limits, keep_apart, keep_off_border, least_distance, relocate};
+use crate::method::repair::{Arrangement, Limits, keep_apart, keep_off_border, least_distance, narrow_hole, relocate};
 use crate::method::restart::{shake, wrongness};
 use crate::method::schedule::converged;
 use crate::method::transplant::transplant;
@@ -237,6 +237,8 @@ pub struct Best {
 
 /// Alignments at most, with relocations between them.
 const ALIGNMENTS: usize = 3;
+/// Holes drawn together at the end of a class at most; one may take several turns.
+const NARROWINGS: usize = 100;
 
 /// Version of [`SynthesisState`]'s layout.
 const STATE_VERSION: u32 = 2;
@@ -775,15 +777,22 @@ impl Synthesis {
         }
         keep_off_border(&mut points, arrangement, spacing_floor * limits.border);
         let least = least_distance(limits, spacing_floor, self.output_size, points.len());
-        if let Some(radii) = &self.radii {
-            // The class that moves has the highest number.
-            let turns: Vec<u16> = self.exemplar.classes().iter().map(|&class| self.turn_of(class)).collect();
-            let Ok(all) = Cloud::of(&self.exemplar).with_classes(turns.clone()) else { return };
-            let overlaps = Overlaps::of(&all, radii, self.turn as u16, disk_overlap);
-            let disks = Disks { radii, classes: &turns };
-            separate(&mut points, &mut sources, arrangement, disks, &overlaps, least);
-        } else if least > 0.0 {
-            keep_apart(&mut points, arrangement, least);
+        // The class that moves has the highest number.
+        let turns: Vec<u16> = self.exemplar.classes().iter().map(|&class| self.turn_of(class)).collect();
+        let Ok(all) = Cloud::of(&self.exemplar).with_classes(turns.clone()) else { return };
+        let overlaps = self.radii.as_ref().map(|radii| Overlaps::of(&all, radii, self.turn as u16, disk_overlap));
+        // What is a little too wide is drawn together once no descent follows that would draw it open again.
+        let mut rounds = if left == 0 && relocation > 0.0 { NARROWINGS } else { 0 };
+        loop {
+            if let (Some(radii), Some(overlaps)) = (&self.radii, &overlaps) {
+                separate(&mut points, &mut sources, arrangement, Disks { radii, classes: &turns }, overlaps, least);
+            } else if least > 0.0 {
+                keep_apart(&mut points, arrangement, least);
+            }
+            if rounds == 0 || !narrow_hole(&mut points, arrangement, limits) {
+                break;
+            }
+            rounds -= 1;
         }
         for ((point, place), source) in arranged.into_iter().zip(points).zip(sources) {
             self.points[point] = place;

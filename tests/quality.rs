@@ -43,6 +43,22 @@ fn fast_finds_structure_again_and_leaves_no_defects() {
 }
 
 #[test]
+fn what_is_a_little_too_wide_is_drawn_together() {
+    // Half-made rings stand apart where they meet.
+    let hasty = |relocation: f64| {
+        let judged = judged("concentric", |parameters| {
+            (parameters.iterations_coarse, parameters.iterations_fine, parameters.iterations_polish) = (20, 10, 0);
+            (parameters.relocation, parameters.transplants) = (relocation, 0);
+        });
+        assert_eq!(judged.defects.stacked, 0.0);
+        judged.defects.holes
+    };
+    assert!(hasty(0.1) < 1.151, "{}", hasty(0.1));
+    // Negative control.
+    assert!(hasty(0.0) > 1.2, "{}", hasty(0.0));
+}
+
+#[test]
 fn fast_keeps_the_spacing_of_blue_noise() {
     let blue = judged("blue-noise", |_| {});
     let (wanted, kept) = (blue.exemplar.relative_radius, blue.output.relative_radius);

@@ -80,7 +80,7 @@ impl<'a> Neighbours<'a> {
     }
 
     /// Calls `visit` for the points of one cell; beyond a window's border there are none.
-    fn visit_cell(&self, column: i64, row: i64, place: DVec2, visit: &mut impl FnMut(Neighbour, bool)) {
+    fn visit_cell(&self, column: i64, row: i64, place: DVec2, visit: &mut dyn FnMut(Neighbour, bool)) {
         let [columns, rows] = self.cells;
         let around = [column.div_euclid(columns), row.div_euclid(rows)];
         let image = around != [0, 0];
@@ -97,10 +97,11 @@ impl<'a> Neighbours<'a> {
 
     /// Calls `visit` for every point, images included, at most `radius` from `place`, in no particular order.
     pub fn within(&self, place: DVec2, radius: f64, mut visit: impl FnMut(Neighbour)) {
-        self.within_images(place, radius, |neighbour, _| visit(neighbour));
+        self.within_images(place, radius, &mut |neighbour, _| visit(neighbour));
     }
 
-    fn within_images(&self, place: DVec2, radius: f64, mut visit: impl FnMut(Neighbour, bool)) {
+    /// One body for all callers: a copy for each of them would be kilobytes of the wasm.
+    fn within_images(&self, place: DVec2, radius: f64, visit: &mut dyn FnMut(Neighbour, bool)) {
         let (from, to) = (self.cell_at(place - radius), self.cell_at(place + radius));
         for row in from[1]..=to[1] {
             for column in from[0]..=to[0] {
@@ -117,7 +118,7 @@ impl<'a> Neighbours<'a> {
     /// image makes a pair of its own, a point with its own images included.
     pub fn pairs(&self, radius: f64, mut visit: impl FnMut(usize, usize, DVec2)) {
         for (i, &place) in self.cloud.points().iter().enumerate() {
-            self.within_images(place, radius, |other, image| {
+            self.within_images(place, radius, &mut |other, image| {
                 let DVec2 { x, y } = other.offset;
                 // A point sees each of its images twice, on opposite sides: half of them are enough.
                 let own = other.index == i && image && (x > 0.0 || (x == 0.0 && y > 0.0));

@@ -84,7 +84,7 @@ impl Reference {
         let mut found = Vec::with_capacity(NEIGHBOURHOOD + 1);
         let mut claims = Vec::with_capacity(NEIGHBOURHOOD);
         for round in 0..rounds {
-            let Some(cloud) = arrangement.cloud(points) else { return round };
+            let Some(cloud) = arrangement.classed_cloud(points) else { return round };
             let Ok(own) = Neighbourhoods::of_some(&cloud, spacing, some) else { return round };
             let grid = cloud.neighbours();
             let mut asked = vec![(DVec2::ZERO, 0.0); points.len()];

@@ -20,6 +20,10 @@ pub(super) const HOLE: f64 = 1.15;
 const WIDEST: f64 = 0.76;
 /// Rounds of pushing apart at most; each halves the largest overlap or so.
 const ROUNDS: usize = 100;
+/// Points are drawn into a hole a little farther than it needs, or the last of it would take for ever.
+const DRAWN: f64 = 0.99;
+/// Points this many radii from the middle of a hole are still its rim.
+const RIM: f64 = 1.05;
 /// A little more distance than asked for, or the last overlaps would only be halved for ever.
 const SLACK: f64 = 1.002;
 /// Pairs that are farther apart than asked for are left so within this.
@@ -39,11 +43,15 @@ pub struct Arrangement<'a> {
 }
 
 impl Arrangement<'_> {
-    /// These places as what they are.
+    /// These places, whatever their classes.
     #[inline(never)]
     pub(super) fn cloud(&self, points: &[DVec2]) -> Option<Cloud> {
-        let cloud = Cloud::new(points.to_vec(), self.size, self.boundary).ok()?;
-        cloud.with_classes(self.classes.to_vec()).ok()
+        Cloud::new(points.to_vec(), self.size, self.boundary).ok()
+    }
+
+    /// These places with their classes.
+    pub(super) fn classed_cloud(&self, points: &[DVec2]) -> Option<Cloud> {
+        self.cloud(points)?.with_classes(self.classes.to_vec()).ok()
     }
 
     /// From one place to another, or to its image where that is nearer.
@@ -108,6 +116,31 @@ pub fn relocate(points: &mut [DVec2], arrangement: Arrangement<'_>, limits: Limi
         points[index] = hole.center.into();
     }
     most
+}
+
+/// Draws the rim of the largest hole towards its middle if the exemplar has none as large; says whether it did. No point
+/// is missing there, they only stand a little too far apart, and a whole one more would leave a hole elsewhere. Frozen
+/// ones stay.
+pub fn narrow_hole(points: &mut [DVec2], arrangement: Arrangement<'_>, limits: Limits) -> bool {
+    let Some(cloud) = arrangement.cloud(points) else { return false };
+    let hole = largest_empty_circle(&cloud);
+    let radius = HOLE * limits.hole;
+    let mut drawn = false;
+    if hole.radius > radius {
+        let middle = DVec2::from(hole.center);
+        // Three points hold a circle.
+        let mut rim = Vec::with_capacity(4);
+        cloud.neighbours().nearest(middle, 3, None, &mut rim);
+        for point in rim {
+            let length = point.distance_squared.sqrt();
+            if point.index >= arrangement.first && length < RIM * hole.radius {
+                let place = middle + point.offset * (DRAWN * radius / length);
+                points[point.index] = keep_inside(place, arrangement.size, arrangement.boundary);
+                drawn = true;
+            }
+        }
+    }
+    drawn
 }
 
 /// The distance that `count` points keep at least: `share` of the exemplar's smallest, or less before they jam.
@@ -255,6 +288,39 @@ mod tests {
         let before = frozen.clone();
         assert_eq!(relocate(&mut frozen, lattice(36), limits, 10), 0);
         assert_eq!(frozen, before);
+    }
+
+    #[test]
+    fn a_hole_a_little_too_large_is_drawn_together() {
+        let whole = grid(6);
+        let lattice = |first| arrangement(&[0; 36], first, DVec2::ONE, Boundary::Periodic);
+        let limits = Limits::of(&cloud(&whole)).unwrap_or_else(|| unreachable!());
+        let hole = |points: &[DVec2]| largest_empty_circle(&cloud(points)).radius / limits.hole;
+        // The four points round the corner of the tile, so that the way to two or three of them leads across the border.
+        let mut wide = whole.clone();
+        for corner in [0, 5, 30, 35] {
+            let middle = whole[corner].round();
+            wide[corner] = middle + (whole[corner] - middle) * 1.3;
+        }
+        assert!(hole(&wide) > HOLE, "{}", hole(&wide));
+        let mut narrowed = wide.clone();
+        let mut rounds = 0;
+        while narrow_hole(&mut narrowed, lattice(0), limits) {
+            keep_apart(&mut narrowed, lattice(0), 0.8 * limits.distance);
+            rounds += 1;
+            assert!(rounds < 20, "{}", hole(&narrowed));
+        }
+        assert!(rounds > 0 && hole(&narrowed) <= HOLE, "{rounds} {}", hole(&narrowed));
+        let nearest = Limits::of(&cloud(&narrowed)).map_or(0.0, |limits| limits.distance);
+        assert!(nearest >= 0.8 * limits.distance - 1e-12, "{nearest}");
+        for (index, (before, after)) in wide.iter().zip(&narrowed).enumerate() {
+            assert!(before == after || [0, 5, 30, 35].contains(&index), "{index} is not of the rim");
+        }
+        // What is as it should be is left alone, and so is what may not move.
+        let mut same = whole.clone();
+        assert!(!narrow_hole(&mut same, lattice(0), limits) && same == whole);
+        let mut frozen = wide.clone();
+        assert!(!narrow_hole(&mut frozen, lattice(36), limits) && frozen == wide);
     }
 
     #[test]

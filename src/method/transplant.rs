@@ -65,7 +65,7 @@ impl Judge<'_> {
         let Reference { spacing, wanted, usual } = self.reference;
         let Arrangement { classes, first, size, boundary } = self.arrangement;
         let moving = *classes.get(first)?;
-        let cloud = self.arrangement.cloud(points)?;
+        let cloud = self.arrangement.classed_cloud(points)?;
         let own = Neighbourhoods::of_some(&cloud, *spacing, some).ok()?;
         let grid = cloud.neighbours();
         let mut found = Vec::with_capacity(NEIGHBOURHOOD + 1);
