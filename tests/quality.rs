@@ -44,18 +44,19 @@ fn fast_finds_structure_again_and_leaves_no_defects() {
 
 #[test]
 fn what_is_a_little_too_wide_is_drawn_together() {
-    // Half-made rings stand apart where they meet.
-    let hasty = |relocation: f64| {
+    // Half-made rings stand apart where they meet. With these seeds relocations alone leave holes of 1.21 and 1.34.
+    let hasty = |seed: u64, relocation: f64| {
         let judged = judged("concentric", |parameters| {
             (parameters.iterations_coarse, parameters.iterations_fine, parameters.iterations_polish) = (20, 10, 0);
-            (parameters.relocation, parameters.transplants) = (relocation, 0);
+            (parameters.seed, parameters.relocation, parameters.transplants) = (seed, relocation, 0);
         });
         assert_eq!(judged.defects.stacked, 0.0);
         judged.defects.holes
     };
-    assert!(hasty(0.1) < 1.151, "{}", hasty(0.1));
+    let holes = [hasty(5, 0.1), hasty(6, 0.1)];
+    assert!(holes.iter().all(|&hole| hole < 1.151), "{holes:?}");
     // Negative control.
-    assert!(hasty(0.0) > 1.2, "{}", hasty(0.0));
+    assert!(hasty(6, 0.0) > 1.2);
 }
 
 #[test]
