@@ -528,6 +528,9 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
             let classes = exemplar.class_names().len() as u32;
             let finer = preset == Preset::Fast && !exemplar.attributes().is_empty() && classes == 1;
             let plain = if finer { Parameters { coarse_sigma_px: 7.0, ..plain } } else { plain };
+            // Balanced sees many classes on a coarser one, and tries less often again.
+            let many = preset == Preset::Balanced && classes > 2;
+            let plain = if many { Parameters { coarse_sigma_px: 6.0, restarts: 2, ..plain } } else { plain };
             // Both go longer steps with values and classes.
             let longer = !is_lattice && (!exemplar.attributes().is_empty() || classes > 1);
             let [coarse, fine] = if longer { [0.16, 0.12] } else { [0.04, 0.04] };

@@ -541,9 +541,10 @@ impl Parameters {
 
     /// The preset as it suits an exemplar: a tile makes a tile and a window a window, and lattices, which are flat at
     /// the scales of other patterns, get a fine and narrow ladder. Other values and classes get longer steps, but not
-    /// with Best, and values of a single class at least 7 pixels per wide σ. Best spends its time on windows in a larger
-    /// network instead of on other tries. Up to four classes together make as many iterations as one with Fast, up to
-    /// eight as many as two with Balanced. The Paper preset only takes the boundary, and for lattices another c₁.
+    /// with Best, and values of a single class at least 7 pixels per wide σ; from three classes on Balanced takes 6, and
+    /// two other tries. Best spends its time on windows in a larger network instead of on other tries. Up to four classes
+    /// together make as many iterations as one with Fast, up to eight as many as two with Balanced. The Paper preset only
+    /// takes the boundary, and for lattices another c₁.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
@@ -566,6 +567,11 @@ impl Parameters {
         if has_values && classes == 1 {
             // Waves that carry values lose more on a coarse grid than points do. With several classes it takes too long.
             parameters.coarse_sigma_px = parameters.coarse_sigma_px.max(7.0);
+        }
+        if preset == Preset::Balanced && classes > 2 {
+            // Filters that reach farther make up for the iterations that many classes share, and the last try for little.
+            parameters.coarse_sigma_px = 6.0;
+            parameters.restarts = 2;
         }
         if preset != Preset::Best && !is_lattice && (has_values || classes > 1) {
             // They have more to match, and with small steps are far from it when the iterations are over.
