@@ -314,13 +314,13 @@ describe('points from an address', () => {
     assert.equal(asked.length, 1);
   });
 
-  // Not the page's icon: the browser asks for that by itself, and may give one of two requests up for the other.
-  pageTest('may be of the same site', { query: '?url=version.json' }, async (page) => {
+  pageTest('may be of the same site', { query: '?url=version.json', reads: 'version.json' }, async (page) => {
     await dialog(page).waitFor();
     assert.match(await page.locator('#import-origin').innerText(), /this site/);
     await page.getByRole('button', { name: 'Load', exact: true }).click();
     await dialog(page).getByRole('heading', { name: 'version.json' }).waitFor();
-    await page.locator('#import[data-stage="preview"], #import[data-stage="error"]').waitFor();
+    // All of it is here, and no points are in it.
+    assert.match(await dialog(page).getByRole('alert').innerText(), /it holds 'version'/);
   });
 
   pageTest('that may not be read by other pages are refused in words', { allows: DATA, expectErrors: true }, async (page) => {
