@@ -779,20 +779,22 @@ impl Synthesis {
         let least = least_distance(limits, spacing_floor, self.output_size, points.len());
         // The class that moves has the highest number.
         let turns: Vec<u16> = self.exemplar.classes().iter().map(|&class| self.turn_of(class)).collect();
-        let Ok(all) = Cloud::of(&self.exemplar).with_classes(turns.clone()) else { return };
-        let overlaps = self.radii.as_ref().map(|radii| Overlaps::of(&all, radii, self.turn as u16, disk_overlap));
+        let disks = self.radii.as_ref().and_then(|radii| {
+            let all = Cloud::of(&self.exemplar).with_classes(turns.clone()).ok()?;
+            let overlaps = Overlaps::of(&all, radii, self.turn as u16, disk_overlap);
+            Some((Disks { radii, classes: &turns }, overlaps))
+        });
         // What is a little too wide is drawn together once no descent follows that would draw it open again.
-        let mut rounds = if left == 0 && relocation > 0.0 { NARROWINGS } else { 0 };
-        loop {
-            if let (Some(radii), Some(overlaps)) = (&self.radii, &overlaps) {
-                separate(&mut points, &mut sources, arrangement, Disks { radii, classes: &turns }, overlaps, least);
+        let rounds = if left == 0 && relocation > 0.0 { NARROWINGS } else { 0 };
+        for more in (0..=rounds).rev() {
+            if let Some((disks, overlaps)) = &disks {
+                separate(&mut points, &mut sources, arrangement, *disks, overlaps, least);
             } else if least > 0.0 {
                 keep_apart(&mut points, arrangement, least);
             }
-            if rounds == 0 || !narrow_hole(&mut points, arrangement, limits) {
+            if more == 0 || !narrow_hole(&mut points, arrangement, limits) {
                 break;
             }
-            rounds -= 1;
         }
         for ((point, place), source) in arranged.into_iter().zip(points).zip(sources) {
             self.points[point] = place;

@@ -125,19 +125,20 @@ pub fn narrow_hole(points: &mut [DVec2], arrangement: Arrangement<'_>, limits: L
     let Some(cloud) = arrangement.cloud(points) else { return false };
     let hole = largest_empty_circle(&cloud);
     let radius = HOLE * limits.hole;
+    if hole.radius <= radius {
+        return false;
+    }
+    let middle = DVec2::from(hole.center);
+    // Three points hold a circle.
+    let mut rim = Vec::with_capacity(4);
+    cloud.neighbours().nearest(middle, 3, None, &mut rim);
     let mut drawn = false;
-    if hole.radius > radius {
-        let middle = DVec2::from(hole.center);
-        // Three points hold a circle.
-        let mut rim = Vec::with_capacity(4);
-        cloud.neighbours().nearest(middle, 3, None, &mut rim);
-        for point in rim {
-            let length = point.distance_squared.sqrt();
-            if point.index >= arrangement.first && length < RIM * hole.radius {
-                let place = middle + point.offset * (DRAWN * radius / length);
-                points[point.index] = keep_inside(place, arrangement.size, arrangement.boundary);
-                drawn = true;
-            }
+    for point in rim {
+        let length = point.distance_squared.sqrt();
+        if point.index >= arrangement.first && length < RIM * hole.radius {
+            let place = middle + point.offset * (DRAWN * radius / length);
+            points[point.index] = keep_inside(place, arrangement.size, arrangement.boundary);
+            drawn = true;
         }
     }
     drawn
