@@ -185,7 +185,8 @@ fn main() -> Result<()> {
         anyhow::Ok(())
     };
     if arguments.jobs == 1 {
-        work()?;
+        // On a thread of the pool, as `pointweave synth`.
+        rayon::scope(|_| work())?;
     } else {
         let pools = (0..arguments.jobs)
             .map(|_| rayon::ThreadPoolBuilder::new().num_threads(1).build())

@@ -55,8 +55,9 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<(), Failure> {
     }
     let workload = Workload { grid, exemplar_grid, channels, points, iterations };
     let start = Instant::now();
+    // On a thread of the pool, as `synth` does it.
     let report = match device::choose(engine)? {
-        None => measure(&workload, &|| start.elapsed().as_secs_f64()).map_err(BenchError::from),
+        None => rayon::scope(|_| measure(&workload, &|| start.elapsed().as_secs_f64())).map_err(BenchError::from),
         Some(gpu) => run_on_gpu(&workload, &gpu, DEVICE_MEMORY),
     }
     .map_err(|error| match error {

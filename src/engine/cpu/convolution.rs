@@ -11,9 +11,9 @@
 //!
 //! Layouts: images `[height, width, channels]`, channels padded to [`LANES`]; transformed tiles
 //! `[block of ROWS tiles, eight channels, frequency, tile of the block, re | im, channel]`, products
-//! `[frequency, tile, eight channels, re | im, channel]` with a gap after every frequency. Every parallel task thus
-//! writes one contiguous piece and reads the rest in whole cache lines: the product finds its left operand as it wants
-//! it. Without the gap the strides would be multiples of 4096 bytes, for which a cache has few places.
+//! `[row of frequencies, tile, eight channels, column of frequencies, re | im, channel]`. Every parallel task thus
+//! writes one contiguous piece; the product finds its left operand as it wants it, and the inverse transform finds a row
+//! of frequencies in one piece.
 
 #![expect(clippy::needless_range_loop, reason = "the index runs over several arrays at once, as in the formulas")]
 
@@ -21,7 +21,7 @@ use crate::domain::Boundary;
 
 use super::lanes::{self, Kernel, LANES, Lanes, padded};
 use super::parallel::{for_each_chunk, threads};
-use super::product::{self, LINE, PIECE, Pieces, ROWS};
+use super::product::{self, LINE, Lines, PIECE, Pieces, ROWS};
 use super::real::Real;
 use super::scratch::Scratch;
 use super::tile_fft::{self, Signal, Transform, Twiddles};
@@ -56,10 +56,16 @@ impl Tile {
         self.side() - (KERNEL - 1)
     }
 
-    /// Frequencies of a real tile: N · (N/2 + 1).
+    /// Frequencies of a real tile: N rows of N/2 + 1.
     #[must_use]
     pub const fn frequencies(self) -> usize {
-        self.side() * (self.side() / 2 + 1)
+        self.side() * self.frequency_columns()
+    }
+
+    /// Columns of frequencies of a real tile: N/2 + 1.
+    #[must_use]
+    pub const fn frequency_columns(self) -> usize {
+        self.side() / 2 + 1
     }
 
     /// The tile that needs less arithmetic for a layer of this shape.
@@ -230,12 +236,9 @@ pub struct Workspace<T> {
     operands: Scratch<T>,
 }
 
-/// Numbers between the products of two frequencies.
-const GAP: usize = LINE;
-
-/// From the products of one frequency to those of the next.
-const fn product_len(tiles: usize, channels: usize) -> usize {
-    2 * tiles * channels + GAP
+/// Numbers in the products of one row of frequencies.
+const fn product_row_len(tile: Tile, tiles: usize, channels: usize) -> usize {
+    tiles * (channels / LANES) * tile.frequency_columns() * LINE
 }
 
 /// Numbers a work space must hold: transformed tiles, products, and one thread's operands.
@@ -244,7 +247,7 @@ fn workspace_lens(geometry: &Geometry, tile: Tile, channels_in: usize, channels_
     let groups = c_in.max(c_out) / LANES;
     let (tiles, frequencies) = (geometry.tiles(tile), tile.frequencies());
     let transformed = tiles.div_ceil(ROWS) * groups * frequencies * PIECE;
-    [transformed, frequencies * product_len(tiles, groups * LANES), 2 * c_in * c_out]
+    [transformed, tile.side() * product_row_len(tile, tiles, groups * LANES), 2 * c_in * c_out]
 }
 
 impl<T: Real> Workspace<T> {
@@ -295,10 +298,10 @@ impl Convolution {
         if direction == Direction::Forward { self.channels_out } else { self.channels_in }
     }
 
-    /// Frequencies of a tile: what [`Self::multiply`] runs over.
+    /// Rows of frequencies of a tile: what [`Self::multiply`] runs over.
     #[must_use]
-    pub fn frequencies(&self) -> usize {
-        self.tile.frequencies()
+    pub fn frequency_rows(&self) -> usize {
+        self.tile.side()
     }
 
     /// Operations (multiplications and additions) of the product over all frequencies.
@@ -353,33 +356,36 @@ impl Convolution {
         });
     }
 
-    /// Step 2: multiplies frequencies `first …` up to but not including `end`.
+    /// Step 2: multiplies these rows of frequencies.
     pub fn multiply<T: Real>(
         &self,
         filters: &Filters<T>,
         direction: Direction,
-        frequencies: std::ops::Range<usize>,
+        rows: std::ops::Range<usize>,
         workspace: &mut Workspace<T>,
     ) {
         let tiles = self.geometry.tiles(self.tile);
         let (inner, outer) = (self.inner(direction), self.outer(direction));
         let Workspace { tiles: transformed, products, operands } = workspace;
         let transformed = &transformed[..];
-        let len = product_len(tiles, outer);
+        let columns = self.tile.frequency_columns();
+        let len = product_row_len(self.tile, tiles, outer);
         let w_len = 2 * self.channels_in * self.channels_out;
-        let first = frequencies.start;
-        for_each_chunk(&mut products[first * len..frequencies.end * len], len, |offset, out| {
+        let first = rows.start;
+        for_each_chunk(&mut products[first * len..rows.end * len], len, |offset, out| {
             let mut operands = operands.mine();
-            let frequency = first + offset;
-            let data = &transformed[frequency * PIECE..];
-            lanes::run(Multiply {
-                x: Pieces { data, stride: self.tile.frequencies() * PIECE, rows: tiles, inner },
-                filters: &filters.spectra[frequency * w_len..(frequency + 1) * w_len],
-                direction,
-                outer,
-                transposed: &mut operands[..w_len],
-                out,
-            });
+            for column in 0..columns {
+                let frequency = (first + offset) * columns + column;
+                let data = &transformed[frequency * PIECE..];
+                lanes::run(Multiply {
+                    x: Pieces { data, stride: self.tile.frequencies() * PIECE, rows: tiles, inner },
+                    filters: &filters.spectra[frequency * w_len..(frequency + 1) * w_len],
+                    direction,
+                    outer,
+                    transposed: &mut operands[..w_len],
+                    out: Lines { data: &mut out[column * LINE..], stride: columns * LINE },
+                });
+            }
         });
     }
 
@@ -412,7 +418,7 @@ impl Convolution {
         };
         let products = &workspace.products[..];
         for_each_chunk(&mut out[..height * width * channels], step * width * channels, |row, rows| {
-            let product = Product { products, tiles, channels, first_tile: row * columns, columns };
+            let product = Product { products, tile: self.tile, tiles, channels, first_tile: row * columns, columns };
             if decimated {
                 lanes::run(InverseDecimated::<T, N, HALF> { product, step, width, rows });
             } else {
@@ -592,22 +598,22 @@ struct Multiply<'a, T> {
     direction: Direction,
     outer: usize,
     transposed: &'a mut [T],
-    out: &'a mut [T],
+    out: Lines<'a, T>,
 }
 
 impl<T: Real> Kernel for Multiply<'_, T> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self { x, outer, .. } = self;
+        let Self { x, outer, mut out, .. } = self;
         if self.direction == Direction::Forward {
             // Correlation, not convolution: the conjugate of the filter's spectrum.
-            product::complex::<T, true, FMA>(x, self.filters, outer, self.out);
+            product::complex::<T, true, FMA>(x, self.filters, outer, &mut out);
         } else {
             let plane = x.inner * outer;
             for (from, to) in self.filters.chunks_exact(plane).zip(self.transposed.chunks_exact_mut(plane)) {
                 transpose(from, to, outer, x.inner);
             }
-            product::complex::<T, false, FMA>(x, self.transposed, outer, self.out);
+            product::complex::<T, false, FMA>(x, self.transposed, outer, &mut out);
         }
     }
 }
@@ -615,6 +621,9 @@ impl<T: Real> Kernel for Multiply<'_, T> {
 /// Transposes `rows × columns` numbers; both are multiples of [`LANES`].
 #[inline(always)]
 fn transpose<T: Real>(from: &[T], to: &mut [T], rows: usize, columns: usize) {
+    if T::faster_transpose(from, to, rows, columns) {
+        return;
+    }
     for row in (0..rows).step_by(LANES) {
         for column in (0..columns).step_by(LANES) {
             let block: [Lanes<T>; LANES] = std::array::from_fn(|i| Lanes::load(&from[(row + i) * columns + column..]));
@@ -630,6 +639,7 @@ fn transpose<T: Real>(from: &[T], to: &mut [T], rows: usize, columns: usize) {
 #[derive(Clone, Copy)]
 struct Product<'a, T> {
     products: &'a [T],
+    tile: Tile,
     tiles: usize,
     channels: usize,
     first_tile: usize,
@@ -637,11 +647,12 @@ struct Product<'a, T> {
 }
 
 impl<T: Real> Product<'_, T> {
-    /// Real and imaginary part of eight channels of a tile at a frequency.
+    /// Real and imaginary part of eight channels of a tile at the frequency of row `ky` and column `kx`.
     #[inline(always)]
-    fn at(&self, frequency: usize, tile: usize, group: usize) -> (Lanes<T>, Lanes<T>) {
-        let at = frequency * product_len(self.tiles, self.channels) + (self.first_tile + tile) * 2 * self.channels;
-        let line = &self.products[at + 2 * group..][..LINE];
+    fn at(&self, [ky, kx]: [usize; 2], tile: usize, group: usize) -> (Lanes<T>, Lanes<T>) {
+        let index = (self.first_tile + tile) * (self.channels / LANES) + group / LANES;
+        let at = ky * product_row_len(self.tile, self.tiles, self.channels);
+        let line = &self.products[at + (index * self.tile.frequency_columns() + kx) * LINE..][..LINE];
         (Lanes::load(line), Lanes::load(&line[LANES..]))
     }
 }
@@ -672,7 +683,7 @@ where
             for group in (0..channels).step_by(LANES) {
                 for ky in 0..N {
                     for (kx, signal) in spectrum[..=N / 2].iter_mut().enumerate() {
-                        (signal.re[ky], signal.im[ky]) = self.product.at(ky * (N / 2 + 1) + kx, column, group);
+                        (signal.re[ky], signal.im[ky]) = self.product.at([ky, kx], column, group);
                     }
                 }
                 tile_fft::inverse(&mut spectrum, tile.as_flattened_mut(), self.first, self.first + height, &twiddles);
@@ -705,20 +716,19 @@ where
         let mut tile = [[Lanes::<T>::ZERO; HALF]; HALF];
         let mut spectrum = [Signal::<T, HALF>::ZERO; HALF];
         let height = self.rows.len() / (self.width * channels);
-        let frequency = |ky: usize, kx: usize| ky * (N / 2 + 1) + kx;
         for column in 0..self.product.columns {
             let left = column * self.step;
             let across = self.step.min(self.width - left);
             for group in (0..channels).step_by(LANES) {
                 for ky in 0..HALF {
                     for kx in 0..=HALF / 2 {
-                        let (mut re, mut im) = self.product.at(frequency(ky, kx), column, group);
-                        let (r, i) = self.product.at(frequency(ky + HALF, kx), column, group);
+                        let (mut re, mut im) = self.product.at([ky, kx], column, group);
+                        let (r, i) = self.product.at([ky + HALF, kx], column, group);
                         re = re + r;
                         im = im + i;
                         // The right half of the large spectrum is the mirrored conjugate of the left one.
                         for y in [(N - ky) % N, HALF - ky] {
-                            let (r, i) = self.product.at(frequency(y, HALF - kx), column, group);
+                            let (r, i) = self.product.at([y, HALF - kx], column, group);
                             re = re + r;
                             im = im - i;
                         }
@@ -734,6 +744,30 @@ where
                     }
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check<T: Real>(rows: usize, columns: usize) {
+        let from: Vec<T> = (0..rows * columns).map(|i| T::rounded(i as f64)).collect();
+        let mut to = vec![T::ZERO; from.len()];
+        transpose(&from, &mut to, rows, columns);
+        for row in 0..rows {
+            for column in 0..columns {
+                assert_eq!(to[column * rows + row], from[row * columns + column], "{rows} × {columns}");
+            }
+        }
+    }
+
+    #[test]
+    fn transpositions_exchange_rows_and_columns() {
+        for (rows, columns) in [(8, 8), (8, 24), (32, 16)] {
+            check::<f32>(rows, columns);
+            check::<f64>(rows, columns);
         }
     }
 }

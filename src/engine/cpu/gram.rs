@@ -40,7 +40,7 @@ impl<T: Real> Gram<T> {
             matrix: vec![0.0; channels * channels],
             partial: vec![T::ZERO; PARTS * channels * channels],
             slope: vec![T::ZERO; channels * channels],
-            blocks: Scratch::new((BLOCK + product::REAL_ROWS) * channels),
+            blocks: Scratch::new(BLOCK * channels),
         }
     }
 
@@ -49,8 +49,7 @@ impl<T: Real> Gram<T> {
     pub fn bytes_for(channels: usize) -> usize {
         let matrix = channels * channels;
         matrix * size_of::<f64>()
-            + ((PARTS + 1) * matrix + (super::parallel::threads() + 1) * (BLOCK + product::REAL_ROWS) * channels)
-                * size_of::<T>()
+            + ((PARTS + 1) * matrix + (super::parallel::threads() + 1) * BLOCK * channels) * size_of::<T>()
     }
 
     /// The matrix last made, `[channels, channels]` with padded channels.
@@ -151,9 +150,9 @@ impl<T: Real> Kernel for GradientBlock<'_, T> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self { pixels, mean, inverse_deviation, .. } = self;
-        let (block, packed) = self.block.split_at_mut(pixels.len());
+        let block = &mut self.block[..pixels.len()];
         Activate { image: pixels, mean, inverse_deviation, out: block }.run::<FMA>();
-        product::add_product::<T, FMA>(block, self.slope, mean.len(), packed, self.gradient);
+        product::add_product::<T, FMA>(block, self.slope, mean.len(), self.gradient);
     }
 }
 

@@ -100,7 +100,12 @@ pub fn run<K: Kernel>(kernel: K) {
             }
         }
     }
-    pulp::Arch::new().dispatch(Wrapped(kernel));
+    // Not `Arch::dispatch`, which would take AVX-512: there the compiler takes loops over eight lanes apart.
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        pulp::Simd::vectorize(simd, Wrapped(kernel));
+    } else {
+        pulp::Simd::vectorize(pulp::Scalar, Wrapped(kernel));
+    }
 }
 
 /// Runs a kernel with the instructions this build was made for. Not inlined: a module over the wire should hold each

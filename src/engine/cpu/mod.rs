@@ -13,6 +13,8 @@ pub mod product;
 pub mod real;
 pub mod scratch;
 pub mod tile_fft;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 use std::sync::Arc;
 

@@ -391,7 +391,7 @@ fn program(convolutions: &[Convolution], with_gradient: bool) -> Vec<Step> {
     let convolve = |steps: &mut Vec<Step>, layer: usize, direction: Direction| {
         let convolution = &convolutions[layer];
         steps.push(Step::Transform(layer, direction));
-        for Range { start, end } in parts(convolution.frequencies(), convolution.operations()) {
+        for Range { start, end } in parts(convolution.frequency_rows(), convolution.operations()) {
             steps.push(Step::Multiply(layer, direction, start, end));
         }
         steps.push(Step::Inverse(layer, direction));

@@ -67,18 +67,53 @@ fn complex_block<T: Real, const CONJUGATE: bool, const FMA: bool>(
     [re, im]
 }
 
+/// Where a complex product goes: a [`LINE`] for every row and eight columns of it, rows outermost.
+#[derive(Debug)]
+pub struct Lines<'a, T> {
+    /// From the first line on.
+    pub data: &'a mut [T],
+    /// From one line to the next.
+    pub stride: usize,
+}
+
+impl<T> Lines<'_, T> {
+    /// Line number `index`.
+    #[inline(always)]
+    pub fn line(&mut self, index: usize) -> &mut [T] {
+        &mut self.data[index * self.stride..][..LINE]
+    }
+}
+
 /// `Y = X · W` for complex `X` (`rows × inner`) and `W` (`inner × columns`, a multiple of [`LANES`] columns: all real
-/// parts, then all imaginary ones), or `X · W̄`. `y` is `[rows, eight columns, re | im, LANES]`.
+/// parts, then all imaginary ones), or `X · W̄`.
 #[inline(always)]
-pub fn complex<T: Real, const CONJUGATE: bool, const FMA: bool>(x: Pieces<T>, w: &[T], columns: usize, y: &mut [T]) {
+pub fn complex<T: Real, const CONJUGATE: bool, const FMA: bool>(
+    x: Pieces<T>,
+    w: &[T],
+    columns: usize,
+    y: &mut Lines<T>,
+) {
+    if !T::faster_complex::<CONJUGATE>(x, w, columns, y) {
+        complex_by_lanes::<T, CONJUGATE, FMA>(x, w, columns, y);
+    }
+}
+
+/// The same with vectors of [`LANES`].
+#[inline(always)]
+fn complex_by_lanes<T: Real, const CONJUGATE: bool, const FMA: bool>(
+    x: Pieces<T>,
+    w: &[T],
+    columns: usize,
+    y: &mut Lines<T>,
+) {
     let (w_re, w_im) = w.split_at(x.inner * columns);
     // Blocks outermost: the weights of one frequency stay in the cache, the rows pass by once.
-    for (block, y) in y[..x.rows * 2 * columns].chunks_mut(ROWS * 2 * columns).enumerate() {
+    for (block, first_row) in (0..x.rows).step_by(ROWS).enumerate() {
         let first = block * (x.inner / LANES);
         for column in (0..columns).step_by(LANES) {
             let [re, im] = complex_block::<T, CONJUGATE, FMA>(x, first, &w_re[column..], &w_im[column..], columns);
-            for ((y, re), im) in y.chunks_mut(2 * columns).zip(&re).zip(&im) {
-                let line = &mut y[2 * column..][..LINE];
+            for ((row, re), im) in (first_row..x.rows).zip(&re).zip(&im) {
+                let line = y.line((row * columns + column) / LANES);
                 line[..LANES].copy_from_slice(re);
                 line[LANES..].copy_from_slice(im);
             }
@@ -117,29 +152,43 @@ fn add<T: Real, const COLS: usize>(block: &[[T; COLS]], y: &mut [T], stride: usi
 }
 
 /// Rows of a block of [`add_product`].
-pub const REAL_ROWS: usize = 6;
+const REAL_ROWS: usize = 6;
 
-/// `Y += X · W` for real `X` (`rows × columns`) and square `W` (`columns × columns`, a multiple of [`LANES`]). `X` is
-/// packed into `packed` (at least `columns` times `rows` rounded up to [`REAL_ROWS`]) on the way.
+/// Inner products of six rows `x` with columns of `w[k · stride …]`.
 #[inline(always)]
-pub fn add_product<T: Real, const FMA: bool>(x: &[T], w: &[T], columns: usize, packed: &mut [T], y: &mut [T]) {
+fn rows_block<T: Real, const COLS: usize, const FMA: bool>(
+    x: [&[T]; REAL_ROWS],
+    w: &[T],
+    stride: usize,
+) -> [[T; COLS]; REAL_ROWS] {
+    let mut sum = [[T::ZERO; COLS]; REAL_ROWS];
+    for (k, w) in w.chunks(stride).enumerate() {
+        let Some(w) = w.first_chunk::<COLS>() else { break };
+        for row in 0..REAL_ROWS {
+            for col in 0..COLS {
+                sum[row][col] = multiply_add::<T, FMA>(x[row][k], w[col], sum[row][col]);
+            }
+        }
+    }
+    sum
+}
+
+/// `Y += X · W` for real `X` (`rows × columns`) and square `W` (`columns × columns`, a multiple of [`LANES`]).
+#[inline(always)]
+pub fn add_product<T: Real, const FMA: bool>(x: &[T], w: &[T], columns: usize, y: &mut [T]) {
     let blocks = x.chunks(REAL_ROWS * columns).zip(y.chunks_mut(REAL_ROWS * columns));
     for (x, y) in blocks {
         let count = x.len() / columns;
-        let packed = &mut packed[..REAL_ROWS * columns];
-        for (row, x) in x.chunks_exact(columns).enumerate() {
-            for (step, value) in packed.chunks_exact_mut(REAL_ROWS).zip(x) {
-                step[row] = *value;
-            }
-        }
+        // Where rows are missing, the last one again: its sums are not added.
+        let rows = std::array::from_fn(|row| &x[row.min(count - 1) * columns..][..columns]);
         let mut column = 0;
         while column + 2 * LANES <= columns {
-            let block = real_block::<T, REAL_ROWS, { 2 * LANES }, FMA>(packed, REAL_ROWS, &w[column..], columns);
+            let block = rows_block::<T, { 2 * LANES }, FMA>(rows, &w[column..], columns);
             add(&block[..count], &mut y[column..], columns);
             column += 2 * LANES;
         }
         if column < columns {
-            let block = real_block::<T, REAL_ROWS, LANES, FMA>(packed, REAL_ROWS, &w[column..], columns);
+            let block = rows_block::<T, LANES, FMA>(rows, &w[column..], columns);
             add(&block[..count], &mut y[column..], columns);
         }
     }
@@ -173,5 +222,74 @@ pub fn add_square<T: Real, const FMA: bool>(x: &[T], columns: usize, y: &mut [T]
             column += if wide { 2 * LANES } else { LANES };
         }
         row += if tall { REAL_ROWS } else { 2 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{Purpose, Rng};
+
+    /// Rows, inner length and columns: whole and broken blocks of rows, whole vectors of sixteen columns and half ones.
+    const SHAPES: [[usize; 3]; 4] = [[6, 8, 16], [1, 16, 8], [13, 24, 24], [12, 40, 40]];
+
+    fn noise<T: Real>(rng: &mut Rng, len: usize) -> Vec<T> {
+        (0..len).map(|_| T::rounded(rng.range(-1.0, 1.0))).collect()
+    }
+
+    /// By the definition, in double precision, from the same layouts.
+    fn expected(x: Pieces<f32>, w: &[f32], columns: usize, conjugate: bool) -> Vec<[f64; 2]> {
+        let at = |row: usize, k: usize, part: usize| {
+            let piece = (row / ROWS * (x.inner / LANES) + k / LANES) * x.stride;
+            x.data[piece + row % ROWS * LINE + part * LANES + k % LANES].wide()
+        };
+        let mut y = Vec::new();
+        for row in 0..x.rows {
+            for column in 0..columns {
+                let (mut re, mut im) = (0.0, 0.0);
+                for k in 0..x.inner {
+                    let (a, b) = (at(row, k, 0), at(row, k, 1));
+                    let (c, d) = (w[k * columns + column].wide(), w[(x.inner + k) * columns + column].wide());
+                    let d = if conjugate { -d } else { d };
+                    re += a * c - b * d;
+                    im += a * d + b * c;
+                }
+                y.push([re, im]);
+            }
+        }
+        y
+    }
+
+    fn check<const CONJUGATE: bool>([rows, inner, columns]: [usize; 3]) {
+        let mut rng = Rng::new(8, Purpose::Gallery);
+        // As the convolution has them: a gap between two pieces, and between two lines.
+        let (piece_stride, line_stride) = (3 * PIECE, 2 * LINE);
+        let data = noise::<f32>(&mut rng, rows.div_ceil(ROWS) * (inner / LANES) * piece_stride);
+        let x = Pieces { data: &data, stride: piece_stride, rows, inner };
+        let w = noise(&mut rng, 2 * inner * columns);
+        let product = |multiply: &dyn Fn(&mut Lines<f32>)| {
+            let mut y = vec![f32::NAN; rows * columns / LANES * line_stride];
+            multiply(&mut Lines { data: &mut y, stride: line_stride });
+            y
+        };
+        let chosen = product(&|y| complex::<f32, CONJUGATE, true>(x, &w, columns, y));
+        let by_lanes = product(&|y| complex_by_lanes::<f32, CONJUGATE, true>(x, &w, columns, y));
+        // The same bits, also of what lies between the lines.
+        let bits = |y: &[f32]| y.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&chosen), bits(&by_lanes), "{rows} × {inner} × {columns}");
+        for (index, [re, im]) in expected(x, &w, columns, CONJUGATE).into_iter().enumerate() {
+            let at = index / LANES * line_stride + index % LANES;
+            for (value, expected) in [(chosen[at], re), (chosen[at + LANES], im)] {
+                assert!((value.wide() - expected).abs() < 1e-5, "{rows} × {inner} × {columns}: {value}, {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn complex_products_are_right_and_the_same_bits_whatever_the_vectors() {
+        for shape in SHAPES {
+            check::<false>(shape);
+            check::<true>(shape);
+        }
     }
 }

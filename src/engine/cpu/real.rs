@@ -6,6 +6,8 @@ use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use rustfft::FftNum;
 
+use super::product::{Lines, Pieces};
+
 /// A real number of the engine. Transcendentals go through `libm`, so that the tables of the Gabor stage are the same
 /// bits natively and in wasm.
 pub trait Real:
@@ -41,6 +43,20 @@ pub trait Real:
     fn sin_cos(self) -> (Self, Self);
     /// `self · b + c` in one rounding. Only called where the hardware has it: elsewhere it is a slow emulation.
     fn fused(self, b: Self, c: Self) -> Self;
+    /// Does the product of [`super::product::complex`] if there is a faster way to the same bits for this type on this
+    /// machine. Returns whether; if not, nothing is written.
+    fn faster_complex<const CONJUGATE: bool>(
+        _x: Pieces<Self>,
+        _w: &[Self],
+        _columns: usize,
+        _y: &mut Lines<Self>,
+    ) -> bool {
+        false
+    }
+    /// The same for a transposition of `rows × columns` numbers, both multiples of [`super::lanes::LANES`].
+    fn faster_transpose(_from: &[Self], _to: &mut [Self], _rows: usize, _columns: usize) -> bool {
+        false
+    }
 }
 
 impl Real for f32 {
@@ -63,6 +79,14 @@ impl Real for f32 {
     #[inline(always)]
     fn fused(self, b: Self, c: Self) -> Self {
         self.mul_add(b, c)
+    }
+    #[cfg(target_arch = "x86_64")]
+    fn faster_complex<const CONJUGATE: bool>(x: Pieces<Self>, w: &[Self], columns: usize, y: &mut Lines<Self>) -> bool {
+        super::x86::complex::<CONJUGATE>(x, w, columns, y)
+    }
+    #[cfg(target_arch = "x86_64")]
+    fn faster_transpose(from: &[Self], to: &mut [Self], rows: usize, columns: usize) -> bool {
+        super::x86::transpose(from, to, rows, columns)
     }
 }
 

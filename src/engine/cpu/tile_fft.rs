@@ -7,6 +7,8 @@
 
 #![expect(clippy::needless_range_loop, reason = "the index runs over several arrays at once, as in the formulas")]
 
+use std::hint::black_box;
+
 use super::lanes::Lanes;
 use super::real::Real;
 
@@ -51,6 +53,14 @@ impl<T: Real, const N: usize> Signal<T, N> {
     pub const ZERO: Self = Self { re: [Lanes::ZERO; N], im: [Lanes::ZERO; N] };
 }
 
+/// A bound that the compiler can't see, so that a loop stays one, where that is faster: for sixteen samples it unrolls
+/// all of them and takes the vectors apart, which is three times slower. For 32 it leaves the loops alone, and eight
+/// samples fit in the registers. In wasm it makes no difference but bytes.
+#[inline(always)]
+fn opaque<const N: usize>(bound: usize) -> usize {
+    if cfg!(target_arch = "x86_64") && N == 16 { black_box(bound) } else { bound }
+}
+
 /// One radix-4 step of Stockham's scheme: sub-transforms of length 4 · `QUARTER`, interleaved with stride `S`.
 #[inline(always)]
 fn radix4<T: Real, const N: usize, const QUARTER: usize, const S: usize, const INVERSE: bool>(
@@ -59,14 +69,14 @@ fn radix4<T: Real, const N: usize, const QUARTER: usize, const S: usize, const I
     tw: &Twiddles<T, N>,
 ) {
     const { assert!(4 * QUARTER * S == N) };
-    for p in 0..QUARTER {
+    for p in 0..opaque::<N>(QUARTER) {
         let w: [(T, T); 3] = std::array::from_fn(|j| {
-            let k = (j + 1) * p * S;
+            let k = ((j + 1) * p * S) % N;
             (tw.re[k], if INVERSE { -tw.im[k] } else { tw.im[k] })
         });
-        for q in 0..S {
-            let at: [usize; 4] = std::array::from_fn(|j| q + S * (p + j * QUARTER));
-            let to_at: [usize; 4] = std::array::from_fn(|j| q + S * (4 * p + j));
+        for q in 0..opaque::<N>(S) {
+            let at: [usize; 4] = std::array::from_fn(|j| (q + S * (p + j * QUARTER)) % N);
+            let to_at: [usize; 4] = std::array::from_fn(|j| (q + S * (4 * p + j)) % N);
             let (ar, ai) = (from.re[at[0]], from.im[at[0]]);
             let (br, bi) = (from.re[at[1]], from.im[at[1]]);
             let (cr, ci) = (from.re[at[2]], from.im[at[2]]);
