@@ -11,7 +11,7 @@ use glam::DVec2;
 
 use super::alignment::{MAX_PAIRS, Reference};
 use super::repair::{Arrangement, HOLE, Limits, least_distance};
-use crate::analysis::{Cloud, EmptyCircle, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle};
+use crate::analysis::{Cloud, EmptyCircle, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle, nearest_distances};
 use crate::domain::{Boundary, keep_inside};
 use crate::sorting::order;
 
@@ -32,6 +32,11 @@ const SPOTS: usize = 8;
 /// What a point that coincides with another counts as, in mean spacings of misfit; less for what is merely too close.
 /// Neighbourhoods hardly differ by a point on top of another, so moves would pile them up.
 const CROWDED: f64 = 1.0;
+/// A point's company ends with this neighbour: two or three strays together are alone all the same.
+const COMPANY: usize = 4;
+/// What a point counts as whose company is twice as wide as any in the exemplar, in mean spacings of misfit; less for what
+/// is narrower. Neighbourhoods that a window's border cuts off are not compared, so nothing else tells of strays there.
+const LONELY: f64 = 4.0;
 /// A move must lower the sum of misfits by this many mean spacings more than the alignment does without it.
 const GAIN: f64 = 0.2;
 /// What the largest hole counts as for each radius of the exemplar's by which it is too large, in mean spacings of misfit.
@@ -56,9 +61,23 @@ struct Judge<'a> {
     arrangement: Arrangement<'a>,
     /// Closer points than that are a crowd.
     least: f64,
+    /// Points with a wider company than that are alone.
+    most: f64,
 }
 
-impl Judge<'_> {
+impl<'a> Judge<'a> {
+    /// For outputs of `count` points.
+    fn new(
+        reference: &'a Reference,
+        arrangement: Arrangement<'a>,
+        exemplar: &Cloud,
+        limits: Limits,
+        count: usize,
+    ) -> Self {
+        let least = least_distance(limits, 1.0, arrangement.size, count);
+        Self { reference, arrangement, least, most: HOLE * widest_company(exemplar, arrangement.boundary) }
+    }
+
     /// The complaints of `some` points.
     #[inline(never)]
     fn complaints(&self, points: &[DVec2], some: &[usize]) -> Option<Vec<Complaint>> {
@@ -72,15 +91,14 @@ impl Judge<'_> {
         let complaints = some.iter().enumerate().map(|(number, &index)| {
             let mut complaint = Complaint::default();
             grid.nearest(points[index], NEIGHBOURHOOD, Some(index), &mut found);
-            if let Some(nearest) = found.first()
-                && self.least > 0.0
-            {
-                let crowd = CROWDED * (1.0 - nearest.distance_squared.sqrt() / self.least).max(0.0);
-                if crowd > 0.0 {
-                    complaint.misfit = crowd;
-                    if index >= first {
-                        complaint.surplus.push((index, crowd));
-                    }
+            let distance = |rank: usize| found.get(rank - 1).map(|found| found.distance_squared.sqrt());
+            let nearest = distance(1).filter(|_| self.least > 0.0);
+            let crowd = nearest.map_or(0.0, |nearest| CROWDED * (1.0 - nearest / self.least).max(0.0));
+            let alone = distance(COMPANY).map_or(0.0, |widest| LONELY * (widest / self.most - 1.0).clamp(0.0, 1.0));
+            if crowd + alone > 0.0 {
+                complaint.misfit = crowd + alone;
+                if index >= first {
+                    complaint.surplus.push((index, crowd + alone));
                 }
             }
             let Some((best, distance)) = own.best_match(number, wanted, 0) else { return complaint };
@@ -159,6 +177,18 @@ impl Judge<'_> {
     }
 }
 
+/// The widest company in the exemplar; without end where there are too few points for one. For an output with borders it
+/// is that of a window, even where the exemplar repeats: points beside a border have a wide one.
+fn widest_company(exemplar: &Cloud, boundary: Boundary) -> f64 {
+    let cut = match boundary {
+        Boundary::Periodic => None,
+        Boundary::Open => Cloud::new(exemplar.points().to_vec(), exemplar.size(), boundary).ok(),
+    };
+    let distances = nearest_distances(cut.as_ref().unwrap_or(exemplar), COMPANY);
+    let widest = distances.map_or(0.0, |found| found.of_rank(COMPANY).fold(0.0, f64::max));
+    if widest > 0.0 { widest } else { f64::INFINITY }
+}
+
 /// Tries up to `tries` moves of single points and keeps those after which the neighbourhoods on the whole match the
 /// exemplar's better; returns how many. None makes a hole larger than the exemplar's, or points a larger crowd.
 pub fn transplant(
@@ -172,8 +202,7 @@ pub fn transplant(
         return 0;
     }
     let Some(reference) = Reference::of(exemplar) else { return 0 };
-    let least = least_distance(limits, 1.0, arrangement.size, points.len());
-    let judge = Judge { reference: &reference, arrangement, least };
+    let judge = Judge::new(&reference, arrangement, exemplar, limits, points.len());
     let all: Vec<usize> = (0..points.len()).collect();
     let Some(mut complaints) = judge.complaints(points, &all) else { return 0 };
     // Moves that brought nothing, as long as nothing near them has changed.
@@ -316,6 +345,42 @@ mod tests {
         let mut whole = grid(12);
         assert_eq!(tried(&mut whole, &classes, 0, &exemplar), 0);
         assert_eq!(whole, grid(12));
+    }
+
+    #[test]
+    fn a_stray_near_the_border_of_a_window_goes_to_where_a_point_is_missing() {
+        let block = || grid(6).into_iter().map(|point| 0.25 + 0.5 * point).collect::<Vec<_>>();
+        let window = |points: &[DVec2]| Cloud::new(points.to_vec(), DVec2::ONE, Boundary::Open).unwrap();
+        let exemplar = window(&block());
+        let mut points = block();
+        // Two of them, so that neither is far from the next.
+        (points[14], points[21]) = (DVec2::new(0.03, 0.04), DVec2::new(0.1, 0.03));
+        let classes = [0; 36];
+        let arrangement = Arrangement { classes: &classes, first: 0, size: DVec2::ONE, boundary: Boundary::Open };
+        assert_eq!(transplant(&mut points, arrangement, &exemplar, limits(&exemplar), 100), 2);
+        let astray = |place: &DVec2| points.iter().map(|point| point.distance(*place)).fold(f64::INFINITY, f64::min);
+        let worst = block().iter().map(astray).fold(0.0, f64::max);
+        assert!(worst < 0.01, "{worst}");
+    }
+
+    #[test]
+    fn points_beside_a_border_are_not_strays() {
+        // The exemplar repeats, the output does not.
+        let exemplar = cloud(&grid(6), DVec2::ONE);
+        let reference = Reference::of(&exemplar).unwrap();
+        let points = grid(12);
+        let complaints = |points: &[DVec2], boundary: Boundary| {
+            let arrangement = Arrangement { classes: &[0; 144], first: 0, size: SIZE, boundary };
+            let judge = Judge::new(&reference, arrangement, &exemplar, limits(&exemplar), points.len());
+            let all: Vec<usize> = (0..points.len()).collect();
+            judge.complaints(points, &all).unwrap().iter().filter(|complaint| complaint.misfit > 0.01).count()
+        };
+        assert_eq!(complaints(&points, Boundary::Open), 0);
+        assert_eq!(complaints(&points, Boundary::Periodic), 0);
+        // Negative control: one that is.
+        let strayed: Vec<DVec2> =
+            points.iter().map(|&point| if point.x + point.y < 0.2 { point } else { point * 0.7 + 0.6 }).collect();
+        assert!(complaints(&strayed, Boundary::Open) > 0);
     }
 
     #[test]
