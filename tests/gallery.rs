@@ -557,7 +557,8 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
         assert_eq!(found, if open { (96, 500, 300, 2) } else { (48, 400, 200, 8) }, "{}", entry.name);
         let paper = Parameters { boundary: exemplar.boundary(), ..Parameters::preset(Preset::Paper) };
         let divisor = if is_lattice { 1.7 } else { paper.sigma_coarse_divisor };
-        let paper = Parameters { sigma_coarse_divisor: divisor, ..paper };
+        let transplants = if open { 100 } else { 0 };
+        let paper = Parameters { sigma_coarse_divisor: divisor, transplants, ..paper };
         assert_eq!(Parameters::suited_to(Preset::Paper, &exemplar), paper, "{}", entry.name);
     }
 }

@@ -544,7 +544,7 @@ impl Parameters {
     /// with Best, and values of a single class at least 7 pixels per wide σ; from three classes on Balanced takes 6, and
     /// two other tries. Best spends its time on windows in a larger network instead of on other tries. Up to four classes
     /// together make as many iterations as one with Fast, up to eight as many as two with Balanced. The Paper preset only
-    /// takes the boundary, and for lattices another c₁.
+    /// takes the boundary, for lattices another c₁, and for windows moves of single points at its end.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
@@ -559,6 +559,10 @@ impl Parameters {
         if preset == Preset::Paper {
             if is_lattice {
                 parameters.sigma_coarse_divisor = LATTICE_DIVISOR;
+            }
+            if exemplar.boundary() == Boundary::Open {
+                // Strays stay near the border, and rings open.
+                parameters.transplants = 100;
             }
             return parameters;
         }
