@@ -175,6 +175,22 @@ describe('points of one’s own', () => {
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= document.documentElement.clientWidth));
   });
 
+  pageTest('are read that were chosen in the moment in which the dialog closes', {}, async (page) => {
+    await iterations(page, 1);
+    await pick(page, 'empty.csv', '\n\n');
+    await dialog(page).getByRole('alert').waitFor();
+    await page.evaluate((text) => {
+      document.getElementById('import-close')?.click();
+      const transfer = new DataTransfer();
+      transfer.items.add(new File([text], 'lattice.csv'));
+      const picker = /** @type {HTMLInputElement} */ (document.getElementById('file'));
+      picker.files = transfer.files;
+      picker.dispatchEvent(new Event('change'));
+    }, lattice);
+    await useIt(page);
+    await exemplar(page, 'lattice.csv');
+  });
+
   pageTest('that can’t be read are shown where they are wrong', {}, async (page) => {
     await iterations(page, 1);
     const rows = lattice.split('\n');

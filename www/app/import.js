@@ -497,6 +497,8 @@ export class Import {
     element('import-cancel').addEventListener('click', close);
     element('import-close').addEventListener('click', close);
     dialog.addEventListener('close', () => {
+      // The event comes a task later than the closing: what was begun in between has put the rest away itself.
+      if (dialog.open) return;
       this.#epoch++;
       this.#abort.abort();
       clearTimeout(this.#settling);
