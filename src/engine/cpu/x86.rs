@@ -1,6 +1,6 @@
 //! Two loops with explicit vectors of x86-64, which the compiler takes apart when left to itself.
 //!
-//! The complex product is half of an iteration; with AVX-512 it goes over sixteen channels at a time. Its sums are taken
+//! The complex product is a third of an iteration; with AVX-512 it goes over sixteen channels at a time. Its sums are taken
 //! in the same order as those over eight with a fused multiply-add, so the results are the same bits. The transposition
 //! is what the gradient's product needs of every filter in every iteration.
 
