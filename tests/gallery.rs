@@ -556,9 +556,14 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
         let found = (best.channels, best.iterations_coarse, best.iterations_fine, best.restarts);
         assert_eq!(found, if open { (96, 500, 300, 2) } else { (48, 400, 200, 8) }, "{}", entry.name);
         let paper = Parameters { boundary: exemplar.boundary(), ..Parameters::preset(Preset::Paper) };
-        let divisor = if is_lattice { 1.7 } else { paper.sigma_coarse_divisor };
-        let transplants = if open { 100 } else { 0 };
-        let paper = Parameters { sigma_coarse_divisor: divisor, transplants, ..paper };
+        let (coarse, fine, weight) = if is_lattice { (1.7, 3.5, 0.2) } else { (0.8, 2.6, 1.0) };
+        let paper = Parameters {
+            sigma_coarse_divisor: coarse,
+            sigma_fine_divisor: fine,
+            correlation_weight: weight,
+            transplants: if open { 100 } else { 0 },
+            ..paper
+        };
         assert_eq!(Parameters::suited_to(Preset::Paper, &exemplar), paper, "{}", entry.name);
     }
 }

@@ -1,4 +1,4 @@
-//! What the Fast preset promises, on two exemplars: structure found again, and nothing stacked, torn or crowded.
+//! What presets promise, on a few exemplars: structure found again, and nothing stacked, torn or crowded.
 //! `cargo xtask quality` says the same of the whole gallery.
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
@@ -12,14 +12,16 @@ const MEMORY: u64 = 2_000_000_000;
 
 /// The Fast preset on a smaller output with half the channels, so that a debug build is through in seconds.
 fn judged(name: &str, change: impl FnOnce(&mut Parameters)) -> Comparison {
+    judged_with(Preset::Fast, name, |parameters| {
+        (parameters.expansion_x, parameters.expansion_y) = (1.5, 1.5);
+        (parameters.channels, parameters.grid_max) = (16, 72);
+        change(parameters);
+    })
+}
+
+fn judged_with(preset: Preset, name: &str, change: impl FnOnce(&mut Parameters)) -> Comparison {
     let exemplar = gallery::find(name).unwrap().exemplar();
-    let mut parameters = Parameters {
-        expansion_x: 1.5,
-        expansion_y: 1.5,
-        channels: 16,
-        grid_max: 72,
-        ..Parameters::suited_to(Preset::Fast, &exemplar)
-    };
+    let mut parameters = Parameters::suited_to(preset, &exemplar);
     change(&mut parameters);
     let mut run = Synthesis::new(exemplar.clone(), parameters, MEMORY).unwrap();
     run.run(u64::MAX).unwrap();
@@ -72,4 +74,22 @@ fn fast_keeps_the_spacing_of_blue_noise() {
         (parameters.iterations_coarse, parameters.iterations_fine, parameters.iterations_polish) = (60, 20, 0);
     });
     assert!(alone.output.relative_radius < wanted - 0.05, "ρ {}", alone.output.relative_radius);
+}
+
+#[test]
+fn paper_finds_the_rows_of_a_lattice() {
+    let small = |parameters: &mut Parameters| {
+        (parameters.expansion_x, parameters.expansion_y) = (1.0, 1.0);
+        (parameters.channels, parameters.grid_min) = (12, 96);
+    };
+    let hex = judged_with(Preset::Paper, "hex", small);
+    assert!(hex.quality.score > 0.7, "{:?}", hex.quality);
+    assert_eq!(hex.defects.stacked, 0.0);
+    assert!(hex.defects.holes < 1.151, "{:?}", hex.defects);
+    // Negative control: the paper's weight and c₂, which suit other patterns.
+    let disordered = judged_with(Preset::Paper, "hex", |parameters| {
+        small(parameters);
+        (parameters.correlation_weight, parameters.sigma_fine_divisor) = (1.0, 2.6);
+    });
+    assert!(disordered.quality.score < 0.5, "{:?}", disordered.quality);
 }

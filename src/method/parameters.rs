@@ -108,7 +108,13 @@ const LATTICE_INDEX: f64 = 1.95;
 
 /// The paper's c₁ for lattices, which are flat at wider σ: the paper has the person choose it, and its published examples
 /// go as far.
-const LATTICE_DIVISOR: f64 = 1.7;
+const LATTICE_COARSE_DIVISOR: f64 = 1.7;
+
+/// c₂ for lattices, within what Tu et al. 2019 use.
+const LATTICE_FINE_DIVISOR: f64 = 3.5;
+
+/// Weight of the correlation loss for lattices: with the paper's 1 points that start without order find no rows.
+const LATTICE_CORRELATION_WEIGHT: f64 = 0.2;
 
 /// How the output points start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -544,7 +550,8 @@ impl Parameters {
     /// with Best, and values of a single class at least 7 pixels per wide σ; from three classes on Balanced takes 6, and
     /// two other tries. Best spends its time on windows in a larger network instead of on other tries. Up to four classes
     /// together make as many iterations as one with Fast, up to eight as many as two with Balanced. The Paper preset only
-    /// takes the boundary, for lattices another c₁, and for windows moves of single points at its end.
+    /// takes the boundary, for lattices another c₁, c₂ and correlation weight, and for windows moves of single points at
+    /// its end.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
@@ -558,7 +565,9 @@ impl Parameters {
         let is_lattice = Self::is_lattice(exemplar);
         if preset == Preset::Paper {
             if is_lattice {
-                parameters.sigma_coarse_divisor = LATTICE_DIVISOR;
+                parameters.sigma_coarse_divisor = LATTICE_COARSE_DIVISOR;
+                parameters.sigma_fine_divisor = LATTICE_FINE_DIVISOR;
+                parameters.correlation_weight = LATTICE_CORRELATION_WEIGHT;
             }
             if exemplar.boundary() == Boundary::Open {
                 // Strays stay near the border, and rings open.
@@ -611,8 +620,8 @@ impl Parameters {
         Self {
             pixels_per_spacing: parameters.pixels_per_spacing.max(9.0),
             sigma_coarse_cells: 0.45,
-            sigma_fine_divisor: 3.5,
-            correlation_weight: 0.2,
+            sigma_fine_divisor: LATTICE_FINE_DIVISOR,
+            correlation_weight: LATTICE_CORRELATION_WEIGHT,
             learning_rate_fine: 0.02,
             ..parameters
         }
