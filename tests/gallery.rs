@@ -561,7 +561,7 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
             sigma_coarse_divisor: coarse,
             sigma_fine_divisor: fine,
             correlation_weight: weight,
-            transplants: if open { 100 } else { 0 },
+            transplants: if is_lattice || open { 100 } else { 0 },
             ..paper
         };
         assert_eq!(Parameters::suited_to(Preset::Paper, &exemplar), paper, "{}", entry.name);

@@ -550,8 +550,8 @@ impl Parameters {
     /// with Best, and values of a single class at least 7 pixels per wide σ; from three classes on Balanced takes 6, and
     /// two other tries. Best spends its time on windows in a larger network instead of on other tries. Up to four classes
     /// together make as many iterations as one with Fast, up to eight as many as two with Balanced. The Paper preset only
-    /// takes the boundary, for lattices another c₁, c₂ and correlation weight, and for windows moves of single points at
-    /// its end.
+    /// takes the boundary, for lattices another c₁, c₂ and correlation weight, and for these and windows moves of single
+    /// points at its end.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
@@ -569,8 +569,8 @@ impl Parameters {
                 parameters.sigma_fine_divisor = LATTICE_FINE_DIVISOR;
                 parameters.correlation_weight = LATTICE_CORRELATION_WEIGHT;
             }
-            if exemplar.boundary() == Boundary::Open {
-                // Strays stay near the border, and rings open.
+            if is_lattice || exemplar.boundary() == Boundary::Open {
+                // Rows keep single points that are too many, rings stay open, and strays near the border.
                 parameters.transplants = 100;
             }
             return parameters;
