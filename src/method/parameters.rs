@@ -113,7 +113,7 @@ const LATTICE_COARSE_DIVISOR: f64 = 1.7;
 /// c₂ for lattices, within what Tu et al. 2019 use.
 const LATTICE_FINE_DIVISOR: f64 = 3.5;
 
-/// Weight of the correlation loss for lattices: with the paper's 1 points that start without order find no rows.
+/// Weight of the correlation loss for lattices: with the paper's 1 points that start without order seldom find the rows.
 const LATTICE_CORRELATION_WEIGHT: f64 = 0.2;
 
 /// How the output points start.
