@@ -8,17 +8,29 @@ mod program;
 
 use std::fs;
 use std::io::BufReader;
+use std::path::PathBuf;
 use std::process::Command;
+
+/// The program, built with what it stands beside: as a test of the whole workspace it is there already.
+fn program() -> PathBuf {
+    let profile = if cfg!(debug_assertions) { "dev" } else { "release" };
+    let built = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "--locked", "--workspace", "--example", "quality", "--profile", profile])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .status();
+    assert!(built.unwrap().success(), "examples/quality.rs does not build");
+    // Tests lie in `deps`, examples beside it.
+    let test = std::env::current_exe().unwrap();
+    test.parent().unwrap().with_file_name("examples").join("quality").with_extension(std::env::consts::EXE_EXTENSION)
+}
 
 /// What it prints, as an error if it fails. Its folder is `folder`.
 fn quality(folder: &str, arguments: &[&str]) -> Result<String, String> {
-    // `cargo test` has built it already, unless one test file alone was asked for.
-    let output = Command::new(env!("CARGO"))
-        .args(["run", "--quiet", "--locked", "--example", "quality", "--", "--folder", folder, "--label", "small"])
+    let output = Command::new(program())
+        .args(["--folder", folder, "--label", "small"])
         .args(["--set", "channels=4", "--set", "grid-min=24", "--set", "grid-max=32", "--set", "iterations-coarse=2"])
         .args(["--set", "iterations-fine=1", "--set", "iterations-polish=0"])
         .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()
         .unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
