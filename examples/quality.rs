@@ -48,7 +48,7 @@ struct Arguments {
     #[arg(long)]
     fresh: bool,
     /// fast, balanced, best, paper: several with commas.
-    #[arg(long, value_delimiter = ',', default_values = ["fast", "balanced", "best", "paper"], value_parser = Preset::from_name)]
+    #[arg(long, value_delimiter = ',', default_values = Preset::ALL.map(Preset::name), value_parser = Preset::from_name)]
     presets: Vec<Preset>,
     /// Seeds of the runs, with commas.
     #[arg(long, value_delimiter = ',', default_values_t = [1, 2, 3])]

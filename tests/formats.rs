@@ -1,7 +1,11 @@
 //! Files in, files out: what is read, what is refused and in which words, and that nothing is lost on the way.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "common/picture.rs"]
+mod picture;
+
 use glam::DVec2;
+use picture::decode;
 use pointweave::formats::style::{Look, Palette};
 use pointweave::formats::{
     FileFormat, FormatError, Glyph, MAX_BYTES, PngStyle, ReadOptions, Reading, SvgStyle, draw, open, read, write_csv,
@@ -850,14 +854,6 @@ fn glyphs_are_drawn_alike_in_svg_and_png() {
     assert_eq!((at(&look, 50, 50), at(&look, 50, up(0.8))), (white, [0x22; 3]), "a frame with a hole");
     let svg = write_svg(&pattern, &SvgStyle { size_px: 200.0, look, ..SvgStyle::default() });
     assert!(svg.contains("d=\"M-1 -1L1 -1L1 1L-1 1ZM-0.6 -0.6L-0.6 0.6L0.6 0.6L0.6 -0.6Z\""), "{svg}");
-}
-
-/// Width, height and RGBA bytes.
-fn decode(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut pixels).unwrap();
-    (info.width, info.height, pixels)
 }
 
 #[test]

@@ -2,17 +2,21 @@
 #![cfg(not(target_arch = "wasm32"))]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[path = "common/picture.rs"]
+mod picture;
 #[path = "common/program.rs"]
 #[allow(dead_code, reason = "the command line's binary is not run here")]
 mod program;
 
 use std::fs;
-use std::io::BufReader;
 use std::path::PathBuf;
 use std::process::Command;
+use std::sync::LazyLock;
+
+use picture::decode;
 
 /// The program, built with what it stands beside: as a test of the whole workspace it is there already.
-fn program() -> PathBuf {
+static PROGRAM: LazyLock<PathBuf> = LazyLock::new(|| {
     let profile = if cfg!(debug_assertions) { "dev" } else { "release" };
     let built = Command::new(env!("CARGO"))
         .args(["build", "--quiet", "--locked", "--workspace", "--example", "quality", "--profile", profile])
@@ -22,11 +26,11 @@ fn program() -> PathBuf {
     // Tests lie in `deps`, examples beside it.
     let test = std::env::current_exe().unwrap();
     test.parent().unwrap().with_file_name("examples").join("quality").with_extension(std::env::consts::EXE_EXTENSION)
-}
+});
 
 /// What it prints, as an error if it fails. Its folder is `folder`.
 fn quality(folder: &str, arguments: &[&str]) -> Result<String, String> {
-    let output = Command::new(program())
+    let output = Command::new(&*PROGRAM)
         .args(["--folder", folder, "--label", "small"])
         .args(["--set", "channels=4", "--set", "grid-min=24", "--set", "grid-max=32", "--set", "iterations-coarse=2"])
         .args(["--set", "iterations-fine=1", "--set", "iterations-polish=0"])
@@ -39,11 +43,9 @@ fn quality(folder: &str, arguments: &[&str]) -> Result<String, String> {
 
 /// Pixels of a PNG, which decodes.
 fn size(path: &str) -> (u32, u32) {
-    let mut reader = png::Decoder::new(BufReader::new(fs::File::open(path).unwrap())).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let frame = reader.next_frame(&mut pixels).unwrap();
+    let (width, height, pixels) = decode(&fs::read(path).unwrap());
     assert!(pixels.iter().any(|&value| value != pixels[0]), "{path} is empty");
-    (frame.width, frame.height)
+    (width, height)
 }
 
 #[test]
