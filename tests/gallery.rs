@@ -561,6 +561,8 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
             sigma_coarse_divisor: coarse,
             sigma_fine_divisor: fine,
             correlation_weight: weight,
+            spacing_floor: if index >= 1.7 { 1.0 } else { 0.6 },
+            alignment: if is_lattice { 20 } else { 0 },
             transplants: if is_lattice || open { 100 } else { 0 },
             ..paper
         };

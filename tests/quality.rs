@@ -77,11 +77,30 @@ fn fast_keeps_the_spacing_of_blue_noise() {
 }
 
 #[test]
+fn paper_keeps_the_spacing_of_blue_noise() {
+    let small = |parameters: &mut Parameters| {
+        (parameters.expansion_x, parameters.expansion_y) = (1.0, 1.0);
+        (parameters.channels, parameters.grid_min) = (8, 64);
+        (parameters.iterations_coarse, parameters.iterations_fine) = (100, 50);
+    };
+    let blue = judged_with(Preset::Paper, "blue-noise", small);
+    let (wanted, kept) = (blue.exemplar.relative_radius, blue.output.relative_radius);
+    assert!((wanted - kept).abs() < 0.02, "ρ {wanted} became {kept}");
+    // Negative control: the floor of patterns that are less evenly spaced.
+    let closer = judged_with(Preset::Paper, "blue-noise", |parameters| {
+        small(parameters);
+        parameters.spacing_floor = 0.6;
+    });
+    assert!(closer.output.relative_radius < wanted - 0.05, "ρ {}", closer.output.relative_radius);
+}
+
+#[test]
 fn paper_finds_the_rows_of_a_lattice() {
     let small = |parameters: &mut Parameters| {
         (parameters.expansion_x, parameters.expansion_y) = (1.0, 1.0);
-        // Moves of single points put right so few by themselves.
-        (parameters.channels, parameters.grid_min, parameters.transplants) = (12, 96, 0);
+        (parameters.channels, parameters.grid_min) = (12, 96);
+        // Moves of single points and alignment put right so few by themselves.
+        (parameters.transplants, parameters.alignment) = (0, 0);
     };
     let hex = judged_with(Preset::Paper, "hex", small);
     assert!(hex.quality.score > 0.7, "{:?}", hex.quality);

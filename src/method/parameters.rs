@@ -103,8 +103,12 @@ impl Preset {
 }
 
 /// Clark & Evans's index from which an exemplar counts as a lattice: 2 for a square one, 2.15 for a hexagonal one, at
-/// most about 1.85 for blue noise.
+/// most about 1.9 for blue noise.
 const LATTICE_INDEX: f64 = 1.95;
+
+/// The index from which the smallest distance counts as the point of an exemplar: blue noise and lattices, not patterns
+/// with gaps.
+const SPACED_INDEX: f64 = 1.7;
 
 /// The paper's c₁ for lattices, which are flat at wider σ: the paper has the person choose it, and its published examples
 /// go as far.
@@ -550,8 +554,9 @@ impl Parameters {
     /// with Best, and values of a single class at least 7 pixels per wide σ; from three classes on Balanced takes 6, and
     /// two other tries. Best spends its time on windows in a larger network instead of on other tries. Up to four classes
     /// together make as many iterations as one with Fast, up to eight as many as two with Balanced. The Paper preset only
-    /// takes the boundary, for lattices another c₁, c₂ and correlation weight, and for these and windows moves of single
-    /// points at its end.
+    /// takes the boundary and, for lattices, another c₁, c₂ and correlation weight. Repairs at its end are for what needs
+    /// them: alignment in lattices, moves of single points in these and windows, the exemplar's smallest distance in all
+    /// that is as evenly spaced as blue noise.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };
@@ -568,6 +573,13 @@ impl Parameters {
                 parameters.sigma_coarse_divisor = LATTICE_COARSE_DIVISOR;
                 parameters.sigma_fine_divisor = LATTICE_FINE_DIVISOR;
                 parameters.correlation_weight = LATTICE_CORRELATION_WEIGHT;
+                // Single points of rows crowd beside a gap.
+                parameters.alignment = 20;
+            }
+            if exemplar.aggregation_index().is_some_and(|index| index >= SPACED_INDEX) {
+                // Blurred maps hardly see a few pairs that are a little closer than any of the exemplar, and such a pair
+                // is all that ρ sees.
+                parameters.spacing_floor = 1.0;
             }
             if is_lattice || exemplar.boundary() == Boundary::Open {
                 // Rows keep single points that are too many, rings stay open, and strays near the border.
