@@ -567,26 +567,11 @@ impl Parameters {
             // Radii in another unit than positions are numbers like any other.
             parameters.disk_overlap = 0.0;
         }
-        let is_lattice = Self::is_lattice(exemplar);
         if preset == Preset::Paper {
-            if is_lattice {
-                parameters.sigma_coarse_divisor = LATTICE_COARSE_DIVISOR;
-                parameters.sigma_fine_divisor = LATTICE_FINE_DIVISOR;
-                parameters.correlation_weight = LATTICE_CORRELATION_WEIGHT;
-                // Single points of rows crowd beside a gap.
-                parameters.alignment = 20;
-            }
-            if exemplar.aggregation_index().is_some_and(|index| index >= SPACED_INDEX) {
-                // Blurred maps hardly see a few pairs that are a little closer than any of the exemplar, and such a pair
-                // is all that ρ sees.
-                parameters.spacing_floor = 1.0;
-            }
-            if is_lattice || exemplar.boundary() == Boundary::Open {
-                // Rows keep single points that are too many, rings stay open, and strays near the border.
-                parameters.transplants = 100;
-            }
+            parameters.suit_paper(exemplar);
             return parameters;
         }
+        let is_lattice = Self::is_lattice(exemplar);
         let classes = parameters.class_order.of(exemplar).len() as u32;
         let has_values = !exemplar.attributes().is_empty();
         if has_values && classes == 1 {
@@ -636,6 +621,27 @@ impl Parameters {
             correlation_weight: LATTICE_CORRELATION_WEIGHT,
             learning_rate_fine: 0.02,
             ..parameters
+        }
+    }
+
+    /// What of the Paper preset depends on the exemplar, beyond its boundary. The network, the steps and the grids don't.
+    fn suit_paper(&mut self, exemplar: &PointPattern) {
+        let is_lattice = Self::is_lattice(exemplar);
+        if is_lattice {
+            self.sigma_coarse_divisor = LATTICE_COARSE_DIVISOR;
+            self.sigma_fine_divisor = LATTICE_FINE_DIVISOR;
+            self.correlation_weight = LATTICE_CORRELATION_WEIGHT;
+            // Single points of rows crowd beside a gap.
+            self.alignment = 20;
+        }
+        if is_lattice || exemplar.boundary() == Boundary::Open {
+            // Rows keep single points that are too many, rings stay open, and strays near the border.
+            self.transplants = 100;
+        }
+        if exemplar.aggregation_index().is_some_and(|index| index >= SPACED_INDEX) {
+            // Blurred maps hardly see a few pairs that are a little closer than any of the exemplar, and ρ sees nothing
+            // else.
+            self.spacing_floor = 1.0;
         }
     }
 
