@@ -27,6 +27,16 @@ const REACH: f64 = 2.5;
 const RIM: f64 = 1.5;
 /// Rounds of that alignment.
 const ROUNDS: u32 = 12;
+/// [`REACH`] of the moves that follow where an exemplar repeats itself: a row that stands in a zigzag around a point too
+/// many becomes straight along a good part of its length.
+const WIDE_REACH: f64 = 6.0;
+/// Rounds of their alignment.
+const WIDE_ROUNDS: u32 = 40;
+/// One try with wide surroundings for so many others; each takes a dozen times as long.
+const WIDE_SHARE: u32 = 4;
+/// An exemplar repeats itself when its neighbourhoods are on average this like another of its own, in mean spacings:
+/// walls and rows are within 0.09, blue noise, discs and rings begin at 0.19.
+const REPEATED: f64 = 0.12;
 /// Spots of each kind that are tried with one another.
 const SPOTS: usize = 8;
 /// What a point that coincides with another counts as, in mean spacings of misfit; less for what is merely too close.
@@ -53,6 +63,15 @@ struct Complaint {
     missing: Vec<(DVec2, f64)>,
     /// Which points are in no place, and how far from one, in mean spacings.
     surplus: Vec<(usize, f64)>,
+}
+
+/// What is aligned after a move.
+#[derive(Clone, Copy, Debug)]
+struct Surroundings {
+    /// Neighbourhoods within this many mean spacings of a spot.
+    reach: f64,
+    /// In how many rounds.
+    rounds: u32,
 }
 
 /// Who judges.
@@ -175,6 +194,87 @@ impl<'a> Judge<'a> {
         }
         chosen
     }
+
+    /// [`transplant`] with such surroundings.
+    fn transplant(&self, points: &mut [DVec2], limits: Limits, surroundings: Surroundings, tries: u32) -> usize {
+        let Self { reference, arrangement, .. } = *self;
+        let Surroundings { reach, rounds } = surroundings;
+        let all: Vec<usize> = (0..points.len()).collect();
+        let Some(mut complaints) = self.complaints(points, &all) else { return 0 };
+        // Moves that brought nothing, as long as nothing near them has changed.
+        let mut failed: Vec<(DVec2, DVec2)> = Vec::new();
+        let near = |a: DVec2, b: DVec2, reach: f64| arrangement.way(a, b).length() < reach * reference.spacing;
+        let none = EmptyCircle { center: [0.0; 2], radius: 0.0 };
+        let hole_of = |points: &[DVec2]| arrangement.cloud(points).map_or(none, |cloud| largest_empty_circle(&cloud));
+        let allowed = HOLE * limits.hole;
+        let mut hole = hole_of(points);
+        let largest = hole.radius.max(allowed);
+        // A hole may open for a while: what leaves it may come back from elsewhere.
+        let mut state = points.to_vec();
+        let (mut moves_made, mut kept) = (0, 0);
+        let mut left = tries;
+        'moves: while left > 0 {
+            let mut missing = self.missing(&complaints);
+            if hole.radius > allowed {
+                missing.push((hole.center.into(), OPEN));
+            }
+            let surplus = self.surplus(&complaints);
+            // The most promising first.
+            let promise =
+                surplus.iter().flat_map(|(_, surplus)| missing.iter().map(move |(_, missing)| -surplus * missing));
+            let moves = order(promise);
+            let mut better = None;
+            for number in moves {
+                let (index, to) = (surplus[number / missing.len()].0, missing[number % missing.len()].0);
+                let from = state[index];
+                if failed.contains(&(from, to)) {
+                    continue;
+                }
+                if left == 0 {
+                    break 'moves;
+                }
+                left -= 1;
+                let within = |other: usize, reach: f64| {
+                    other == index || near(state[other], from, reach) || near(state[other], to, reach)
+                };
+                let felt: Vec<usize> = (0..state.len()).filter(|&other| within(other, reach + RIM)).collect();
+                let some: Vec<usize> = felt.iter().copied().filter(|&other| within(other, reach)).collect();
+                let aligned = |place: DVec2| {
+                    let mut moved = state.clone();
+                    moved[index] = place;
+                    reference.align(&mut moved, arrangement, &some, rounds);
+                    let after = self.complaints(&moved, &felt)?;
+                    let misfit: f64 = after.iter().map(|complaint| complaint.misfit).sum();
+                    Some((moved, after, misfit))
+                };
+                let before: f64 = felt.iter().map(|&index| complaints[index].misfit).sum();
+                let fills = to == DVec2::from(hole.center) && hole.radius > allowed;
+                let Some((moved, after, misfit)) = aligned(to) else { break 'moves };
+                let bonus =
+                    if fills { OPEN * (hole.radius - hole_of(&moved).radius.max(allowed)) / limits.hole } else { 0.0 };
+                // What the alignment alone would bring does not count.
+                let counts = || aligned(from).is_some_and(|(_, _, alone)| misfit < alone - GAIN + bonus);
+                if misfit < before - GAIN + bonus && counts() {
+                    better = Some((moved, felt, after, from, to));
+                    break;
+                }
+                failed.push((from, to));
+            }
+            let Some((moved, felt, after, from, to)) = better else { break 'moves };
+            felt.into_iter().zip(after).for_each(|(index, complaint)| complaints[index] = complaint);
+            failed.retain(|&(a, b)| {
+                [a, b].iter().all(|&spot| !near(spot, from, reach + RIM) && !near(spot, to, reach + RIM))
+            });
+            state = moved;
+            moves_made += 1;
+            hole = hole_of(&state);
+            if hole.radius <= largest {
+                points.copy_from_slice(&state);
+                kept = moves_made;
+            }
+        }
+        kept
+    }
 }
 
 /// The widest company in the exemplar; without end where there are too few points for one. For an output with borders it
@@ -203,81 +303,13 @@ pub fn transplant(
     }
     let Some(reference) = Reference::of(exemplar) else { return 0 };
     let judge = Judge::new(&reference, arrangement, exemplar, limits, points.len());
-    let all: Vec<usize> = (0..points.len()).collect();
-    let Some(mut complaints) = judge.complaints(points, &all) else { return 0 };
-    // Moves that brought nothing, as long as nothing near them has changed.
-    let mut failed: Vec<(DVec2, DVec2)> = Vec::new();
-    let near = |a: DVec2, b: DVec2, reach: f64| arrangement.way(a, b).length() < reach * reference.spacing;
-    let none = EmptyCircle { center: [0.0; 2], radius: 0.0 };
-    let hole_of = |points: &[DVec2]| arrangement.cloud(points).map_or(none, |cloud| largest_empty_circle(&cloud));
-    let allowed = HOLE * limits.hole;
-    let mut hole = hole_of(points);
-    let largest = hole.radius.max(allowed);
-    // A hole may open for a while: what leaves it may come back from elsewhere.
-    let mut state = points.to_vec();
-    let (mut moves_made, mut kept) = (0, 0);
-    let mut left = tries;
-    'moves: while left > 0 {
-        let mut missing = judge.missing(&complaints);
-        if hole.radius > allowed {
-            missing.push((hole.center.into(), OPEN));
-        }
-        let surplus = judge.surplus(&complaints);
-        // The most promising first.
-        let promise =
-            surplus.iter().flat_map(|(_, surplus)| missing.iter().map(move |(_, missing)| -surplus * missing));
-        let moves = order(promise);
-        let mut better = None;
-        for number in moves {
-            let (index, to) = (surplus[number / missing.len()].0, missing[number % missing.len()].0);
-            let from = state[index];
-            if failed.contains(&(from, to)) {
-                continue;
-            }
-            if left == 0 {
-                break 'moves;
-            }
-            left -= 1;
-            let within = |other: usize, reach: f64| {
-                other == index || near(state[other], from, reach) || near(state[other], to, reach)
-            };
-            let felt: Vec<usize> = (0..state.len()).filter(|&other| within(other, REACH + RIM)).collect();
-            let some: Vec<usize> = felt.iter().copied().filter(|&other| within(other, REACH)).collect();
-            let aligned = |place: DVec2| {
-                let mut moved = state.clone();
-                moved[index] = place;
-                reference.align(&mut moved, arrangement, &some, ROUNDS);
-                let after = judge.complaints(&moved, &felt)?;
-                let misfit: f64 = after.iter().map(|complaint| complaint.misfit).sum();
-                Some((moved, after, misfit))
-            };
-            let before: f64 = felt.iter().map(|&index| complaints[index].misfit).sum();
-            let fills = to == DVec2::from(hole.center) && hole.radius > allowed;
-            let Some((moved, after, misfit)) = aligned(to) else { break 'moves };
-            let bonus =
-                if fills { OPEN * (hole.radius - hole_of(&moved).radius.max(allowed)) / limits.hole } else { 0.0 };
-            // What the alignment alone would bring does not count.
-            let counts = || aligned(from).is_some_and(|(_, _, alone)| misfit < alone - GAIN + bonus);
-            if misfit < before - GAIN + bonus && counts() {
-                better = Some((moved, felt, after, from, to));
-                break;
-            }
-            failed.push((from, to));
-        }
-        let Some((moved, felt, after, from, to)) = better else { break 'moves };
-        felt.into_iter().zip(after).for_each(|(index, complaint)| complaints[index] = complaint);
-        failed.retain(|&(a, b)| {
-            [a, b].iter().all(|&spot| !near(spot, from, REACH + RIM) && !near(spot, to, REACH + RIM))
-        });
-        state = moved;
-        moves_made += 1;
-        hole = hole_of(&state);
-        if hole.radius <= largest {
-            points.copy_from_slice(&state);
-            kept = moves_made;
-        }
+    let kept = judge.transplant(points, limits, Surroundings { reach: REACH, rounds: ROUNDS }, tries);
+    let unlike: f64 = reference.usual.iter().map(|&usual| f64::from(usual)).sum();
+    if unlike > REPEATED * exemplar.len() as f64 {
+        return kept;
     }
-    kept
+    let wide = Surroundings { reach: WIDE_REACH, rounds: WIDE_ROUNDS };
+    kept + judge.transplant(points, limits, wide, tries.div_ceil(WIDE_SHARE))
 }
 
 #[cfg(test)]
