@@ -77,6 +77,15 @@ fn fast_keeps_the_spacing_of_blue_noise() {
 }
 
 #[test]
+fn rows_with_a_point_too_many_become_straight() {
+    // With narrow surroundings only, zigzags stay, and detail is 0.83.
+    let bricks = judged("bricks", |parameters| parameters.seed = 4);
+    assert!(bricks.quality.precision > 0.87, "{:?}", bricks.quality);
+    assert_eq!(bricks.defects.stacked, 0.0);
+    assert!(bricks.defects.holes < 1.151, "{:?}", bricks.defects);
+}
+
+#[test]
 fn paper_keeps_the_spacing_of_blue_noise() {
     let small = |parameters: &mut Parameters| {
         (parameters.expansion_x, parameters.expansion_y) = (1.0, 1.0);
