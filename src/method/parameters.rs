@@ -106,8 +106,8 @@ impl Preset {
 /// most about 1.9 for blue noise.
 const LATTICE_INDEX: f64 = 1.95;
 
-/// The index from which the smallest distance counts as the point of an exemplar: blue noise and lattices, not patterns
-/// with gaps.
+/// The index from which Paper keeps the whole of an exemplar's smallest distance: for blue noise and lattices, not for
+/// patterns with gaps.
 const SPACED_INDEX: f64 = 1.7;
 
 /// The paper's c₁ for lattices, which are flat at wider σ: the paper has the person choose it, and its published examples

@@ -35,7 +35,7 @@ const WIDE_ROUNDS: u32 = 40;
 /// One try with wide surroundings for so many others; each takes a dozen times as long.
 const WIDE_SHARE: u32 = 4;
 /// An exemplar repeats itself when its neighbourhoods are on average this like another of its own, in mean spacings:
-/// walls and rows are within 0.09, blue noise, discs and rings begin at 0.19.
+/// walls and rows are within 0.09, blue noise, discs and rings begin at 0.2.
 const REPEATED: f64 = 0.12;
 /// Spots of each kind that are tried with one another.
 const SPOTS: usize = 8;
