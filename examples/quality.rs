@@ -331,7 +331,7 @@ fn table(outcomes: &[Outcome]) -> String {
         by_entry.entry(&outcome.entry).or_default().push(outcome);
     }
     type Column = (&'static str, fn(&Outcome) -> f64);
-    let columns: [Column; 19] = [
+    let columns: [Column; 20] = [
         ("quality", |o| o.quality.score),
         ("pairs", |o| o.quality.pair_density),
         ("precision", |o| o.quality.precision),
@@ -340,6 +340,7 @@ fn table(outcomes: &[Outcome]) -> String {
         ("ρ exemplar", |o| o.relative_radius[0]),
         ("ρ", |o| o.relative_radius[1]),
         ("stacked %", |o| 100.0 * o.defects.stacked),
+        ("clumps", |o| o.defects.clumps),
         ("holes", |o| o.defects.holes),
         ("border", |o| o.defects.border.unwrap_or(f64::NAN)),
         ("PCF error", |o| o.pair_correlation_error),

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::Boundary;
+use crate::engine::cpu::CpuEngine;
 use crate::engine::cpu::adam::Adam;
-use crate::engine::cpu::{CpuEngine, parallel};
 use crate::engine::gpu::GpuError;
 use crate::engine::view::Stage;
 use crate::engine::{Advance, ScaleSetup};
@@ -26,6 +26,7 @@ use crate::method::FilterBank;
 use crate::method::cost::direct_operations;
 use crate::method::schedule::Scale;
 use crate::method::{Parameters, Preset};
+use crate::parallel;
 use crate::sampling::{Purpose, Rng, poisson_disk};
 use crate::synthesis::LossTerms;
 

@@ -28,6 +28,7 @@ pub mod engine;
 pub mod formats;
 pub mod gallery;
 pub mod method;
+mod parallel;
 pub mod pattern;
 pub mod sampling;
 mod sorting;

@@ -23,7 +23,7 @@ use crate::engine::{Advance, Engine, ScaleSetup};
 use crate::method::alignment::{align, mend};
 use crate::method::disks::{Disks, Overlaps, movable, separate};
 use crate::method::parameters::Start;
-use crate::method::repair::{Arrangement, Limits, keep_apart, keep_off_border, least_distance, narrow_hole, relocate};
+use crate::method::repair::{Arrangement, Limits, Room, keep_apart, keep_off_border, narrow_hole, relocate};
 use crate::method::restart::{shake, wrongness};
 use crate::method::schedule::converged;
 use crate::method::transplant::transplant;
@@ -758,11 +758,14 @@ impl Synthesis {
         let classes = self.classes_of(&sources);
         let arrangement = Arrangement { classes: &classes, first, size: self.output_size, boundary };
         relocate(&mut points, arrangement, limits, most);
+        let align = |points: &mut [DVec2]| {
+            let before = points.to_vec();
+            align(points, arrangement, &exemplar, alignment);
+            mend(points, &before, arrangement, limits);
+        };
         if alignment > 0 {
             for _ in 0..ALIGNMENTS {
-                let before = points.clone();
-                align(&mut points, arrangement, &exemplar, alignment);
-                mend(&mut points, &before, arrangement, limits);
+                align(&mut points);
                 // One too many for its row now stands on another, and can go where one is missing.
                 if relocate(&mut points, arrangement, limits, most) == 0 {
                     break;
@@ -771,12 +774,20 @@ impl Synthesis {
         }
         // What is torn open before the last pass closes in it.
         let hole = if left == 0 { limits.hole } else { f64::INFINITY };
-        transplant(&mut points, arrangement, &exemplar, Limits { hole, ..limits }, transplants);
+        let moved = transplant(&mut points, arrangement, &exemplar, Limits { hole, ..limits }, transplants);
+        if moved > 0 && alignment > 0 {
+            // The rest of a row that is no longer too full or too empty.
+            align(&mut points);
+        }
         if value_swaps > 0 {
             self.exchange_values(&exemplar, &points, &mut sources, first, value_swaps);
         }
         keep_off_border(&mut points, arrangement, spacing_floor * limits.border);
-        let least = least_distance(limits, spacing_floor, self.output_size, points.len());
+        let mut room = Room::of(limits, spacing_floor, self.output_size, points.len());
+        if left > 0 {
+            // Groups that are only forming would be torn.
+            room.clumps = Default::default();
+        }
         // The class that moves has the highest number.
         let turns: Vec<u16> = self.exemplar.classes().iter().map(|&class| self.turn_of(class)).collect();
         let disks = self.radii.as_ref().and_then(|radii| {
@@ -788,9 +799,9 @@ impl Synthesis {
         let rounds = if left == 0 && relocation > 0.0 { NARROWINGS } else { 0 };
         for more in (0..=rounds).rev() {
             if let Some((disks, overlaps)) = &disks {
-                separate(&mut points, &mut sources, arrangement, *disks, overlaps, least);
-            } else if least > 0.0 {
-                keep_apart(&mut points, arrangement, least);
+                separate(&mut points, &mut sources, arrangement, *disks, overlaps, room);
+            } else if spacing_floor > 0.0 {
+                keep_apart(&mut points, arrangement, room);
             }
             if more == 0 || !narrow_hole(&mut points, arrangement, limits) {
                 break;

@@ -484,7 +484,7 @@ fn classes_count() {
 fn defects_are_seen_one_by_one() {
     let exemplar = square(10, Boundary::Open);
     let clean = Defects::of(&exemplar, &exemplar).unwrap();
-    assert_eq!((clean.stacked, clean.holes), (0.0, 1.0));
+    assert_eq!((clean.stacked, clean.clumps, clean.holes), (0.0, 1.0, 1.0));
     assert!(clean.border.unwrap().abs() < 1e-12);
     let change = |edit: &dyn Fn(&mut Vec<DVec2>)| {
         let mut places = exemplar.points().to_vec();
@@ -498,6 +498,14 @@ fn defects_are_seen_one_by_one() {
     let (stacked, output) = change(&|places| places[44] = places[45] + DVec2::splat(0.01));
     assert_eq!(stacked.stacked, 0.02);
     assert!(words(&output).contains("2.0 % of its points are stacked"), "{}", words(&output));
+    // A row with a point too many: as seen from its middle, four others are as near as only two should be.
+    let (clump, output) = change(&|places| {
+        for point in places.iter_mut().filter(|point| (point.y - 0.45).abs() < 1e-9 && point.x < 0.5) {
+            point.x = 0.5 - 0.52 * (0.5 - point.x);
+        }
+    });
+    assert!(clump.stacked == 0.0 && clump.clumps > 1.9 && clump.clumps < 1.95, "{clump:?}");
+    assert!(words(&output).contains("clump"), "{}", words(&output));
     let (hole, output) = change(&|places| places.retain(|point| point.distance(DVec2::splat(0.5)) > 0.2));
     assert!(hole.holes > 2.0 && hole.stacked == 0.0, "{hole:?}");
     assert!(words(&output).contains("hole"), "{}", words(&output));

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec2;
 use pointweave::analysis::{AnalysisError, Cloud, OverlapStatistics, lens_area};
 use pointweave::method::disks::{Disks, Overlaps, separate};
-use pointweave::method::repair::Arrangement;
+use pointweave::method::repair::{Arrangement, Room};
 use pointweave::method::values::{Exchange, Values};
 use pointweave::method::{Parameters, Preset};
 use pointweave::sampling::{Purpose, Rng, poisson_disk, white_noise};
@@ -190,7 +190,7 @@ fn no_overlap_stays_none_and_some_stays_some() {
             let all = Arrangement { classes: &classes, first: 0, size, boundary };
             let move_all = || {
                 let (mut points, mut sources) = (start.clone(), dealt.clone());
-                let parted = separate(&mut points, &mut sources, all, disks, &limits, 0.0);
+                let parted = separate(&mut points, &mut sources, all, disks, &limits, Room::default());
                 (points, sources, parted)
             };
             let (points, sources, parted) = move_all();
@@ -222,7 +222,7 @@ fn disks_that_jam_exchange_their_places() {
     let disks = Disks { radii: &radii, classes: &[0; 14] };
     let frozen = points[..12].to_vec();
     let last = Arrangement { classes: &[0; 14], first: 12, size: DVec2::ONE, boundary: Boundary::Open };
-    assert!(separate(&mut points, &mut sources, last, disks, &none, 0.0));
+    assert!(separate(&mut points, &mut sources, last, disks, &none, Room::default()));
     assert_eq!(points[..12], frozen);
     assert_eq!(sources[..12], (0..12).collect::<Vec<_>>());
     let of: Vec<f64> = sources.iter().map(|&source| radii[source]).collect();
@@ -248,7 +248,7 @@ fn frozen_disks_count_but_stay() {
         overlaps(points, small.size, small.boundary, &of)
     };
     assert!(measure(&points, &sources).pairs > 10);
-    assert!(separate(&mut points, &mut sources, small, disks, &limits, 0.0));
+    assert!(separate(&mut points, &mut sources, small, disks, &limits, Room::default()));
     assert_eq!(measure(&points, &sources).pairs, 0);
     assert_eq!(points[..first], before[..first]);
     assert_eq!(sources[..first], (0..first).collect::<Vec<_>>());

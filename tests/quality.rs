@@ -62,6 +62,16 @@ fn what_is_a_little_too_wide_is_drawn_together() {
 }
 
 #[test]
+fn no_clump_is_tighter_than_the_exemplar_s() {
+    // Pairs that come too near one another make groups of three and four.
+    let pairs = judged("pairs", |_| {});
+    assert!(pairs.defects.clumps < 1.301, "{:?}", pairs.defects);
+    // Negative control.
+    let alone = judged("pairs", |parameters| parameters.spacing_floor = 0.0);
+    assert!(alone.defects.clumps > 1.6, "{:?}", alone.defects);
+}
+
+#[test]
 fn fast_keeps_the_spacing_of_blue_noise() {
     let blue = judged("blue-noise", |_| {});
     let (wanted, kept) = (blue.exemplar.relative_radius, blue.output.relative_radius);

@@ -55,7 +55,7 @@ pub struct Live {
     pub output: Curves,
     /// Normalised quality.
     pub quality: Quality,
-    /// Stacked points, holes, crowded borders.
+    /// Stacked points, clumps, holes, crowded borders.
     pub defects: Defects,
     /// The same in words, see [`verdict`](super::verdict()).
     pub verdict: String,

@@ -12,7 +12,7 @@
 //! | `marks` | whether classes and attributes go with places: mark correlation, and the same at random | Stoyan & Stoyan 1994 |
 //! | `spectrum` | periodogram, radial mean | Bartlett 1964, Ulichney 1988 |
 //! | `ripley` | K, L, envelopes of chance | Ripley 1976, Besag 1977 |
-//! | `spacing` | ρ, stacked points, holes, crowded borders | Lagae & Dutré 2008 |
+//! | `spacing` | ρ, stacked points, clumps, holes, crowded borders | Lagae & Dutré 2008 |
 //! | `overlap` | areas that disks share, relative penetration | |
 //! | `transport` | Chamfer, Wasserstein, the paper's patches | Huang et al. 2022 |
 //! | `neighbourhoods` | neighbourhoods found again: precision, coverage | |
@@ -61,8 +61,8 @@ pub use quality::{Distances, Quality, QualityScale, normalised_quality, tile};
 pub use report::{ReportError, write_comparison_report, write_report};
 pub use ripley::{Envelope, Ripley, RipleySettings, envelope, ripley};
 pub use spacing::{
-    BorderCrowd, EmptyCircle, border_crowd, largest_empty_circle, relative_radius, relative_radius_in, stacked,
-    stacking_distance,
+    BorderCrowd, CLUMP_SIZES, EmptyCircle, border_crowd, clumps, largest_empty_circle, relative_radius,
+    relative_radius_in, stacked, stacking_distance, tightest_clumps,
 };
 pub use spectrum::{Periodogram, RadialSpectrum, periodogram};
 pub use transport::{MAX_ASSIGNMENT, PatchComparison, chamfer, compare_patches, wasserstein};
@@ -233,6 +233,9 @@ pub struct Defects {
     pub stacked: f64,
     /// The same of the exemplar.
     pub exemplar_stacked: f64,
+    /// How much tighter the output's tightest clump of three to seven points is than the exemplar's; see [`clumps`]. Of
+    /// samples of one process the larger one naturally has a somewhat tighter one.
+    pub clumps: f64,
     /// Radius of the output's largest empty circle over that of the exemplar's. In a random pattern the largest of a
     /// larger rectangle is naturally somewhat larger.
     pub holes: f64,
@@ -256,6 +259,7 @@ impl Defects {
             stacking_distance: distance,
             stacked: stacked(output, distance)?,
             exemplar_stacked: stacked(exemplar, distance)?,
+            clumps: clumps(exemplar, output)?,
             holes: own / wanted.max(f64::MIN_POSITIVE),
             border: border_crowd(output, width)?.map(|border| border.excess - usual),
         })
@@ -283,7 +287,7 @@ pub struct Comparison {
     pub chance: Distances,
     /// Distances that score 1.
     pub tiled: Distances,
-    /// Stacked points, holes, crowded borders.
+    /// Stacked points, clumps, holes, crowded borders.
     pub defects: Defects,
     /// The paper's numbers, where a patch has two points.
     pub patches: Option<PatchComparison>,

@@ -1,4 +1,4 @@
-//! Numbers for what must not happen: points on one another, holes, crowds along a border. And ρ.
+//! Numbers for what must not happen: points on one another, clumps, holes, crowds along a border. And ρ.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -55,6 +55,32 @@ pub fn stacked(cloud: &Cloud, distance: f64) -> Result<f64, AnalysisError> {
     let nearest = nearest_distances(cloud, 1)?;
     let count = nearest.of_rank(1).filter(|&nearest| nearest < distance).count();
     Ok(count as f64 / cloud.len() as f64)
+}
+
+/// Clumps of three to seven points are looked for: a point and its neighbours in a hexagonal lattice.
+pub const CLUMP_SIZES: usize = 5;
+
+/// How tight the tightest clumps are: the smallest distance of a point from its second, third … sixth neighbour, in the
+/// cloud's unit. 0 where there are too few points, or so many in one place.
+///
+/// # Errors
+/// With a single point.
+pub fn tightest_clumps(cloud: &Cloud) -> Result<[f64; CLUMP_SIZES], AnalysisError> {
+    let nearest = nearest_distances(cloud, 1 + CLUMP_SIZES)?;
+    Ok(std::array::from_fn(|further| nearest.of_rank(2 + further).reduce(f64::min).unwrap_or(0.0)))
+}
+
+/// How much tighter the tightest clump of an output is than that of as many points in its exemplar, whichever size is the
+/// worst; 0 when the exemplar has as many points in one place. A row with a point too many shows here, while all its
+/// points keep their distance from the next one.
+///
+/// # Errors
+/// When either has a single point.
+pub fn clumps(exemplar: &Cloud, output: &Cloud) -> Result<f64, AnalysisError> {
+    // No division by 0 for points in one place.
+    let least = 1e-6 / output.density().sqrt();
+    let pairs = tightest_clumps(exemplar)?.into_iter().zip(tightest_clumps(output)?);
+    Ok(pairs.map(|(usual, own)| usual / own.max(least)).fold(0.0, f64::max))
 }
 
 /// A circle without a point.

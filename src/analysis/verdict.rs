@@ -4,6 +4,9 @@ use super::{Analysis, Comparison, Defects, Quality, Summary};
 
 /// More than this share of stacked points, beyond what the exemplar has itself, is worth a word.
 const STACKED: f64 = 0.005;
+/// A clump this much tighter than the exemplar's tightest is worth a word. Of independent points four times as many have,
+/// by the same law as for holes, clumps up to about 1.7 times as tight.
+const CLUMPS: f64 = 1.8;
 /// A hole this many times as wide as the exemplar's widest is worth a word. A random pattern of four times the area
 /// has, by the law of extremes, holes up to about 1.3 times as wide.
 const HOLES: f64 = 1.4;
@@ -135,6 +138,9 @@ fn defects(facts: &Facts<'_>) -> String {
     let stacked = defects.stacked - defects.exemplar_stacked;
     if stacked > STACKED {
         wrong.push(format!("{} of its points are stacked in pairs or clumps", percent(defects.stacked)));
+    }
+    if defects.clumps > CLUMPS {
+        wrong.push(format!("its tightest clump is {} times as tight as any of the exemplar's", short(defects.clumps)));
     }
     if defects.holes > HOLES {
         wrong.push(format!("its largest hole is {} times as wide as the exemplar's", short(defects.holes)));

@@ -22,6 +22,8 @@ const WIDTH: f64 = 0.3;
 /// Share of the way that a point goes in a round. Both ends of a pair move, and at the whole way they would pass each
 /// other.
 const STEP: f64 = 0.5;
+/// In every so many rounds each point looks for what it is most like; in those between it stays with what it found.
+const SEARCHED: u32 = 3;
 /// A round that moves no point by more than this share of a mean spacing is the last one.
 const STILL: f64 = 2e-3;
 /// The rim of a hole reaches this far, in radii of the hole.
@@ -84,12 +86,13 @@ impl Reference {
         let mut found = Vec::with_capacity(NEIGHBOURHOOD + 1);
         let mut claims = Vec::with_capacity(NEIGHBOURHOOD);
         for round in 0..rounds {
+            let searched = if round % SEARCHED == 0 { usize::MAX } else { 0 };
             let Some(cloud) = arrangement.classed_cloud(points) else { return round };
             let Ok(own) = Neighbourhoods::of_some(&cloud, spacing, some) else { return round };
             let grid = cloud.neighbours();
             let mut asked = vec![(DVec2::ZERO, 0.0); points.len()];
             for (number, (&index, guess)) in some.iter().zip(&mut matches).enumerate() {
-                let Some((best, distance)) = own.best_match(number, &self.wanted, *guess) else { continue };
+                let Some((best, distance)) = own.match_among(number, &self.wanted, *guess, searched) else { continue };
                 *guess = best;
                 let urgency = f64::from(1.0 - self.usual[best] / distance.max(f32::MIN_POSITIVE));
                 if urgency <= 0.0 {

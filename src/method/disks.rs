@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use glam::DVec2;
 
-use super::repair::{Arrangement, Contact, contacts, settle};
+use super::repair::{Arrangement, Contact, Room, contacts, settle};
 use crate::analysis::Cloud;
 use crate::sorting::{ascending, order};
 
@@ -96,6 +96,9 @@ impl Overlaps {
         let mut ranks = vec![0_usize; self.ratios.len()];
         for place in ranked {
             let contact = &mut contacts[place];
+            if contact.pair.iter().all(|&point| point < first) {
+                continue;
+            }
             let other = contact.pair.iter().map(|&point| usize::from(disks.classes[sources[point]])).min().unwrap_or(0);
             let rank = (ranks[other] as f64 / copies) as usize;
             ranks[other] += 1;
@@ -115,23 +118,24 @@ pub fn movable(count: usize, density: f64, largest: f64) -> bool {
     0.5 * PI * (2.0 * NEAR * largest).powi(2) * density * count as f64 <= MAX_PAIRS
 }
 
-/// Moves the points that may move until their disks overlap as `overlaps` says and no two are nearer to each other than
-/// `least`. Where they jam, a disk without room exchanges its source with a smaller one that has more, or goes to a place
-/// that has. Says whether none is deeper in another than it should be in the end. Frozen points count.
+/// Moves the points that may move until their disks overlap as `overlaps` says and all have the `room` they need. Where
+/// they jam, a disk without room exchanges its source with a smaller one that has more, or goes to a place that has. Says
+/// whether none is deeper in another than it should be in the end. Frozen points count.
 pub fn separate(
     points: &mut [DVec2],
     sources: &mut [usize],
     arrangement: Arrangement<'_>,
     disks: Disks<'_>,
     overlaps: &Overlaps,
-    least: f64,
+    room: Room,
 ) -> bool {
     let first = arrangement.first;
     let largest = sources.iter().map(|&source| disks.radii[source]).fold(0.0, f64::max);
-    let reach = (2.0 * NEAR * largest).max(NEAR * least);
+    let reach = (2.0 * NEAR * largest).max(NEAR * room.reach());
     for _ in 0..EXCHANGES {
         let parted = settle(points, arrangement, reach, &|contacts| {
-            overlaps.demand(contacts, sources, first, disks, least);
+            overlaps.demand(contacts, sources, first, disks, room.distance);
+            room.demand(contacts, sources.len());
         });
         if parted {
             return true;
@@ -158,7 +162,7 @@ fn make_room(
 ) -> bool {
     // The radius up to which a disk would touch none of its neighbours as they are.
     let mut room = vec![f64::INFINITY; sources.len()];
-    for Contact { pair: [i, j], length, .. } in contacts(cloud, first, reach) {
+    for Contact { pair: [i, j], length, .. } in contacts(cloud, reach) {
         room[i] = room[i].min(length / clear - radii[sources[j]]);
         room[j] = room[j].min(length / clear - radii[sources[i]]);
     }

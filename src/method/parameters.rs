@@ -503,7 +503,6 @@ impl Parameters {
                 iterations_fine: 120,
                 iterations_polish: 80,
                 alignment: 40,
-                transplants: 300,
                 restarts: 3,
                 ..Self::preset(Preset::Fast)
             },
@@ -517,7 +516,6 @@ impl Parameters {
                 iterations_fine: 200,
                 iterations_polish: 120,
                 alignment: 60,
-                transplants: 300,
                 restarts: 8,
                 ..Self::preset(Preset::Fast)
             },
@@ -541,7 +539,7 @@ impl Parameters {
                 spacing_floor: 1.0,
                 relocation: 0.1,
                 alignment: 20,
-                transplants: 100,
+                transplants: 600,
                 disk_overlap: 1.0,
                 value_swaps: 12,
                 ..paper

@@ -1,20 +1,25 @@
-//! What the losses hardly see, put right between scales: points on top of one another, and holes.
+//! What the losses hardly see, put right between scales: points on top of one another, clumps, and holes.
 //!
 //! Statistics of blurred maps barely change when two points coincide or when one lattice place stays empty while a point
 //! stands beside another: the gradient there is small, and the way out leads uphill. The exemplar says what is out of
-//! the question: a distance between points that it never has, a hole larger than any of its own. Only such places are
-//! touched, so a pattern that has none is left alone. (Tu et al. 2019, §5, add and remove whole points for this, with
-//! weights that are optimised; here a point goes from where it is in the way to where one is missing.)
+//! the question: a distance between points that it never has, a group tighter or a hole larger than any of its own.
+//! Only such places are touched, so a pattern that has none is left alone. (Tu et al. 2019, §5, add and remove whole
+//! points for this, with weights that are optimised; here a point goes from where it is in the way to where one is
+//! missing.)
 
 use glam::DVec2;
 
-use crate::analysis::{Cloud, largest_empty_circle, nearest_distances};
+use crate::analysis::{CLUMP_SIZES, Cloud, largest_empty_circle, nearest_distances, tightest_clumps};
 use crate::domain::{Boundary, keep_inside};
+use crate::sorting::order;
 
 /// Points stand in each other's way below this share of the exemplar's smallest distance.
 const CROWDED: f64 = 0.85;
 /// A hole is one when it is larger than the exemplar's largest by this factor.
 pub(super) const HOLE: f64 = 1.15;
+/// Points stand in a clump when it is tighter than the tightest of as many in the exemplar by this factor. Samples of
+/// one process differ by nearly as much, and with less, pairs and rings would lose more than clumps cost them.
+const CLUMP: f64 = 1.3;
 /// Distances are only kept up to this relative radius (Lagae & Dutré 2008): beyond, points would jam long before a
 /// lattice is found.
 const WIDEST: f64 = 0.76;
@@ -32,7 +37,7 @@ const LOOSE: f64 = 1.01;
 /// Points in a rectangle, those before `first` frozen, the others all of one class.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrangement<'a> {
-    /// Class of each point.
+    /// Class of each point; there may be more of them than points.
     pub classes: &'a [u16],
     /// The first point that may move.
     pub first: usize,
@@ -51,7 +56,7 @@ impl Arrangement<'_> {
 
     /// These places with their classes.
     pub(super) fn classed_cloud(&self, points: &[DVec2]) -> Option<Cloud> {
-        self.cloud(points)?.with_classes(self.classes.to_vec()).ok()
+        self.cloud(points)?.with_classes(self.classes.get(..points.len())?.to_vec()).ok()
     }
 
     /// From one place to another, or to its image where that is nearer.
@@ -69,6 +74,8 @@ impl Arrangement<'_> {
 pub struct Limits {
     /// Smallest distance between two of its points.
     pub distance: f64,
+    /// Smallest distances of a point from its second, third … sixth neighbour; see [`tightest_clumps`].
+    pub clumps: [f64; CLUMP_SIZES],
     /// Radius of its largest empty circle.
     pub hole: f64,
     /// Smallest distance of a point from an open border; 0 where there is none.
@@ -86,7 +93,12 @@ impl Limits {
             Boundary::Open => exemplar.points().iter().map(inside).fold(f64::INFINITY, f64::min),
             Boundary::Periodic => 0.0,
         };
-        Some(Self { distance, hole: largest_empty_circle(exemplar).radius, border })
+        Some(Self {
+            distance,
+            clumps: tightest_clumps(exemplar).ok()?,
+            hole: largest_empty_circle(exemplar).radius,
+            border,
+        })
     }
 }
 
@@ -144,20 +156,51 @@ pub fn narrow_hole(points: &mut [DVec2], arrangement: Arrangement<'_>, limits: L
     drawn
 }
 
-/// The distance that `count` points keep at least: `share` of the exemplar's smallest, or less before they jam.
-#[must_use]
-pub fn least_distance(limits: Limits, share: f64, size: DVec2, count: usize) -> f64 {
-    // Twice the radius of discs in the densest packing of as many.
-    let packed = 2.0 * (size.x * size.y / (2.0 * 3.0_f64.sqrt() * count as f64)).sqrt();
-    (share * limits.distance).min(WIDEST * packed)
+/// How far points keep from one another.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Room {
+    /// From the nearest.
+    pub distance: f64,
+    /// From the second, third … sixth.
+    pub clumps: [f64; CLUMP_SIZES],
 }
 
-/// Pushes points apart until none is nearer to another than `distance`, or as near to that as a bounded number of rounds
-/// comes.
-pub fn keep_apart(points: &mut [DVec2], arrangement: Arrangement<'_>, distance: f64) {
-    settle(points, arrangement, SLACK * distance, &|contacts| {
-        contacts.iter_mut().for_each(|contact| contact.least = distance);
-    });
+impl Room {
+    /// What `count` points keep: `share` of the exemplar's smallest distance, and clumps hardly tighter than its
+    /// tightest. Less before they jam.
+    #[must_use]
+    pub fn of(limits: Limits, share: f64, size: DVec2, count: usize) -> Self {
+        // Twice the radius of discs in the densest packing of as many.
+        let packed = 2.0 * (size.x * size.y / (2.0 * 3.0_f64.sqrt() * count as f64)).sqrt();
+        let possible = WIDEST * packed;
+        let scale = (possible / limits.distance).min(1.0) / CLUMP;
+        Self { distance: (share * limits.distance).min(possible), clumps: limits.clumps.map(|least| scale * least) }
+    }
+
+    /// Within which others matter.
+    pub(super) fn reach(&self) -> f64 {
+        SLACK * self.clumps.into_iter().fold(self.distance, f64::max)
+    }
+
+    /// Asks this of all pairs, each according to how many of either point's are nearer.
+    pub(super) fn demand(&self, contacts: &mut [Contact], count: usize) {
+        let mut nearer = vec![0; count];
+        for place in order(contacts.iter().map(|contact| contact.length)) {
+            let contact = &mut contacts[place];
+            let rank = contact.pair.map(|point| nearer[point]).into_iter().fold(0, usize::max);
+            let wanted =
+                if rank == 0 { self.distance } else { self.clumps[rank.min(CLUMP_SIZES) - 1].max(self.distance) };
+            contact.least = contact.least.max(wanted);
+            contact.most = contact.most.max(wanted);
+            contact.pair.into_iter().for_each(|point| nearer[point] += 1);
+        }
+    }
+}
+
+/// Pushes points apart until they have that much room, or as nearly as a bounded number of rounds comes.
+pub fn keep_apart(points: &mut [DVec2], arrangement: Arrangement<'_>, room: Room) {
+    let count = points.len();
+    settle(points, arrangement, room.reach(), &|contacts| room.demand(contacts, count));
 }
 
 /// Moves points that are nearer to an open border than `distance` so far away from it.
@@ -186,12 +229,12 @@ pub(super) struct Contact {
     pub(super) most: f64,
 }
 
-/// The pairs within `reach` that have a point of `first …`, each with any distance allowed. A point and its own image
-/// are left out: they can't be parted.
-pub(super) fn contacts(cloud: &Cloud, first: usize, reach: f64) -> Vec<Contact> {
+/// The pairs within `reach`, each with any distance allowed. A point and its own image are left out: they can't be
+/// parted.
+pub(super) fn contacts(cloud: &Cloud, reach: f64) -> Vec<Contact> {
     let mut found = Vec::new();
     cloud.neighbours().pairs(reach, |i, j, offset| {
-        if i != j && i.max(j) >= first {
+        if i != j {
             found.push(Contact { pair: [i, j], offset, length: offset.length(), least: 0.0, most: f64::INFINITY });
         }
     });
@@ -211,11 +254,14 @@ pub(super) fn settle(
     let mut parted = false;
     for round in 0..ROUNDS {
         let Some(cloud) = arrangement.cloud(points) else { return false };
-        let mut contacts = contacts(&cloud, first, reach);
+        let mut contacts = contacts(&cloud, reach);
         demand(&mut contacts);
         let mut push = vec![DVec2::ZERO; points.len()];
         let (mut close, mut loose) = (false, false);
         for Contact { pair: [i, j], offset, length, least, most } in contacts {
+            if i.max(j) < first {
+                continue;
+            }
             let wanted = if length < SLACK * least {
                 close |= length < least;
                 SLACK * least
@@ -255,6 +301,7 @@ pub(super) fn settle(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::analysis::clumps;
     use crate::sampling::{Purpose, Rng, white_noise};
 
     fn grid(side: usize) -> Vec<DVec2> {
@@ -307,7 +354,7 @@ mod tests {
         let mut narrowed = wide.clone();
         let mut rounds = 0;
         while narrow_hole(&mut narrowed, lattice(0), limits) {
-            keep_apart(&mut narrowed, lattice(0), 0.8 * limits.distance);
+            keep_apart(&mut narrowed, lattice(0), Room { distance: 0.8 * limits.distance, ..Room::default() });
             rounds += 1;
             assert!(rounds < 20, "{}", hole(&narrowed));
         }
@@ -356,12 +403,39 @@ mod tests {
                 cloud.and_then(|cloud| Limits::of(&cloud)).map_or(0.0, |limits| limits.distance)
             };
             assert_eq!(distance(&points), 0.0);
-            let limits = Limits { distance: 0.05, hole: 1.0, border: 0.0 };
-            let least = least_distance(limits, 1.0, DVec2::ONE, points.len());
-            assert_eq!(least, 0.05);
-            keep_apart(&mut points, arrangement(&[0; 200], 0, DVec2::ONE, boundary), least);
+            let limits = Limits { distance: 0.05, clumps: [0.0; CLUMP_SIZES], hole: 1.0, border: 0.0 };
+            let room = Room::of(limits, 1.0, DVec2::ONE, points.len());
+            assert_eq!(room, Room { distance: 0.05, ..Room::default() });
+            keep_apart(&mut points, arrangement(&[0; 200], 0, DVec2::ONE, boundary), room);
             assert!(distance(&points) >= 0.05 - 1e-12, "{boundary:?}: {}", distance(&points));
             assert!(points.iter().all(|p| p.cmpge(DVec2::ZERO).all() && p.cmple(DVec2::ONE).all()));
         }
+    }
+
+    #[test]
+    fn no_clump_is_left_tighter_than_the_exemplar_s() {
+        let exemplar = cloud(&grid(6));
+        // Points may be near one another, only not several.
+        let limits = Limits { distance: 0.02, ..Limits::of(&exemplar).unwrap_or_else(|| unreachable!()) };
+        let mut points = grid(6);
+        for (place, point) in [1, 6, 5, 30].into_iter().zip(0..4) {
+            let angle = std::f64::consts::FRAC_PI_2 * f64::from(point);
+            points[place] = points[0] + 0.08 * DVec2::new(libm::cos(angle), libm::sin(angle));
+        }
+        let tight = clumps(&exemplar, &cloud(&points)).unwrap_or(0.0);
+        assert!(tight > 2.0, "{tight}");
+        let left = |first: usize, room: Room| {
+            let mut points = points.clone();
+            keep_apart(&mut points, arrangement(&[0; 36], first, DVec2::ONE, Boundary::Periodic), room);
+            let far = [14, 15, 20, 21, 22].map(|place| grid(6)[place].distance(points[place]));
+            assert!(far.iter().all(|&way| way < 0.02), "{far:?}: those far from a clump hardly move");
+            clumps(&exemplar, &cloud(&points)).unwrap_or(f64::INFINITY)
+        };
+        let room = Room::of(limits, 1.0, DVec2::ONE, 36);
+        assert!(left(0, room) < CLUMP + 1e-9, "{}", left(0, room));
+        // Round a frozen point too.
+        assert!(left(1, room) < CLUMP + 1e-9, "{}", left(1, room));
+        // Negative control: pairs alone are no reason to move.
+        assert_eq!(left(0, Room { clumps: [0.0; CLUMP_SIZES], ..room }), tight);
     }
 }

@@ -2,17 +2,18 @@
 //!
 //! A row with a point too many and another with one too few can't be put right by small steps: every step on the way
 //! makes both worse. Each neighbourhood says what is wrong with it, though. Compared with the exemplar's most similar
-//! one it has places that no point fills and points that stand in no place; where several say the same, a point is
-//! moved from one such spot to another, the surroundings are aligned, and what does not match better is undone.
-//! (Points that are removed and added where the pattern is worst: Tu et al. 2019, §5, there by weights that are
+//! one it has places that no point fills and points that stand in no place. Where several say the same, each end is
+//! tried by itself: a point less here, one more there, and the surroundings aligned. The two that together promise most
+//! make a move, and what does not match better is undone. (Points that are removed and added where the pattern is worst: Tu et al. 2019, §5, there by weights that are
 //! optimised; most similar neighbourhoods: Ma, Wei & Tong 2011, §4.)
 
 use glam::DVec2;
 
 use super::alignment::{MAX_PAIRS, Reference};
-use super::repair::{Arrangement, HOLE, Limits, least_distance};
+use super::repair::{Arrangement, HOLE, Limits, Room};
 use crate::analysis::{Cloud, EmptyCircle, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle, nearest_distances};
 use crate::domain::{Boundary, keep_inside};
+use crate::parallel::for_each_chunk;
 use crate::sorting::order;
 
 /// A place this many mean spacings from the next point is not filled, and a point as far from the next place is in none.
@@ -33,15 +34,20 @@ const WIDE_REACH: f64 = 6.0;
 /// Rounds of their alignment.
 const WIDE_ROUNDS: u32 = 40;
 /// One try with wide surroundings for so many others; each takes a dozen times as long.
-const WIDE_SHARE: u32 = 4;
+const WIDE_SHARE: u32 = 8;
+/// Moves with either surroundings follow one another at most so often: what one leaves the other may put right.
+const CYCLES: u32 = 4;
 /// An exemplar repeats itself when its neighbourhoods are on average this like another of its own, in mean spacings:
 /// walls and rows are within 0.09, blue noise, discs and rings begin at 0.2.
 const REPEATED: f64 = 0.12;
-/// Spots of each kind that are tried with one another.
-const SPOTS: usize = 8;
+/// Spots of each kind that are looked at.
+const SPOTS: usize = 24;
 /// What a point that coincides with another counts as, in mean spacings of misfit; less for what is merely too close.
 /// Neighbourhoods hardly differ by a point on top of another, so moves would pile them up.
 const CROWDED: f64 = 1.0;
+/// What a point counts as in whose clump all would be in one place, in mean spacings of misfit; less for clumps that are
+/// merely too tight.
+const CLUMPED: f64 = 2.0;
 /// A point's company ends with this neighbour: two or three strays together are alone all the same.
 const COMPANY: usize = 4;
 /// What a point counts as whose company is twice as wide as any in the exemplar, in mean spacings of misfit; less for what
@@ -57,6 +63,8 @@ const INACCURATE: f64 = 0.02;
 /// What is wrong with one neighbourhood.
 #[derive(Clone, Debug, Default)]
 struct Complaint {
+    /// Which of the exemplar's neighbourhoods it is most like.
+    like: usize,
     /// How much, in mean spacings.
     misfit: f64,
     /// Where points are missing, and how sorely.
@@ -78,8 +86,8 @@ struct Surroundings {
 struct Judge<'a> {
     reference: &'a Reference,
     arrangement: Arrangement<'a>,
-    /// Closer points than that are a crowd.
-    least: f64,
+    /// Points with less are a crowd.
+    room: Room,
     /// Points with a wider company than that are alone.
     most: f64,
 }
@@ -93,13 +101,13 @@ impl<'a> Judge<'a> {
         limits: Limits,
         count: usize,
     ) -> Self {
-        let least = least_distance(limits, 1.0, arrangement.size, count);
-        Self { reference, arrangement, least, most: HOLE * widest_company(exemplar, arrangement.boundary) }
+        let room = Room::of(limits, 1.0, arrangement.size, count);
+        Self { reference, arrangement, room, most: HOLE * widest_company(exemplar, arrangement.boundary) }
     }
 
-    /// The complaints of `some` points.
+    /// The complaints of `some` points, more quickly if it is known what all complained of `before`.
     #[inline(never)]
-    fn complaints(&self, points: &[DVec2], some: &[usize]) -> Option<Vec<Complaint>> {
+    fn complaints(&self, points: &[DVec2], some: &[usize], before: &[Complaint]) -> Option<Vec<Complaint>> {
         let Reference { spacing, wanted, usual } = self.reference;
         let Arrangement { classes, first, size, boundary } = self.arrangement;
         let moving = *classes.get(first)?;
@@ -109,18 +117,22 @@ impl<'a> Judge<'a> {
         let mut found = Vec::with_capacity(NEIGHBOURHOOD + 1);
         let complaints = some.iter().enumerate().map(|(number, &index)| {
             let mut complaint = Complaint::default();
+            let guess = before.get(index).map_or(0, |before| before.like);
             grid.nearest(points[index], NEIGHBOURHOOD, Some(index), &mut found);
             let distance = |rank: usize| found.get(rank - 1).map(|found| found.distance_squared.sqrt());
-            let nearest = distance(1).filter(|_| self.least > 0.0);
-            let crowd = nearest.map_or(0.0, |nearest| CROWDED * (1.0 - nearest / self.least).max(0.0));
+            // 0 where any distance will do: not a number is less than a number.
+            let lacks = |rank: usize, least: f64| distance(rank).map_or(0.0, |found| (1.0 - found / least).max(0.0));
+            let clumps = self.room.clumps.into_iter().zip(2..);
+            let clump = clumps.map(|(least, rank)| lacks(rank, least)).fold(0.0, f64::max);
+            let crowd = CROWDED * lacks(1, self.room.distance);
             let alone = distance(COMPANY).map_or(0.0, |widest| LONELY * (widest / self.most - 1.0).clamp(0.0, 1.0));
-            if crowd + alone > 0.0 {
-                complaint.misfit = crowd + alone;
-                if index >= first {
-                    complaint.surplus.push((index, crowd + alone));
-                }
+            // Who of a clump is one too many, its neighbourhoods tell.
+            complaint.misfit = crowd + CLUMPED * clump + alone;
+            if crowd + alone > 0.0 && index >= first {
+                complaint.surplus.push((index, crowd + alone));
             }
-            let Some((best, distance)) = own.best_match(number, wanted, 0) else { return complaint };
+            let Some((best, distance)) = own.best_match(number, wanted, guess) else { return complaint };
+            complaint.like = best;
             let misfit = f64::from(distance - usual[best]);
             if misfit < INACCURATE {
                 complaint.misfit += misfit.max(0.0);
@@ -196,65 +208,107 @@ impl<'a> Judge<'a> {
     }
 
     /// [`transplant`] with such surroundings.
-    fn transplant(&self, points: &mut [DVec2], limits: Limits, surroundings: Surroundings, tries: u32) -> usize {
+    fn transplant(&self, points: &mut [DVec2], limits: Limits, surroundings: Surroundings, left: &mut u32) -> usize {
         let Self { reference, arrangement, .. } = *self;
         let Surroundings { reach, rounds } = surroundings;
         let all: Vec<usize> = (0..points.len()).collect();
-        let Some(mut complaints) = self.complaints(points, &all) else { return 0 };
-        // Moves that brought nothing, as long as nothing near them has changed.
-        let mut failed: Vec<(DVec2, DVec2)> = Vec::new();
+        let Some(mut complaints) = self.complaints(points, &all, &[]) else { return 0 };
         let near = |a: DVec2, b: DVec2, reach: f64| arrangement.way(a, b).length() < reach * reference.spacing;
         let none = EmptyCircle { center: [0.0; 2], radius: 0.0 };
         let hole_of = |points: &[DVec2]| arrangement.cloud(points).map_or(none, |cloud| largest_empty_circle(&cloud));
         let allowed = HOLE * limits.hole;
         let mut hole = hole_of(points);
         let largest = hole.radius.max(allowed);
+        // By how much the misfits change when the point is taken away, or when one is put there, as long as nothing near
+        // has changed.
+        let mut known: Vec<(DVec2, bool, f64)> = Vec::new();
+        // Moves that brought nothing, as long as nothing near them has changed.
+        let mut failed: Vec<(DVec2, DVec2)> = Vec::new();
         // A hole may open for a while: what leaves it may come back from elsewhere.
         let mut state = points.to_vec();
         let (mut moves_made, mut kept) = (0, 0);
-        let mut left = tries;
-        'moves: while left > 0 {
+        'moves: loop {
             let mut missing = self.missing(&complaints);
             if hole.radius > allowed {
                 missing.push((hole.center.into(), OPEN));
             }
+            let fills = |spot: DVec2| hole.radius > allowed && spot == DVec2::from(hole.center);
             let surplus = self.surplus(&complaints);
-            // The most promising first.
-            let promise =
-                surplus.iter().flat_map(|(_, surplus)| missing.iter().map(move |(_, missing)| -surplus * missing));
-            let moves = order(promise);
+            // Those of these points that feel what happens at such spots, aligned where they are near.
+            let judged = |mut points: Vec<DVec2>, spots: &[DVec2]| {
+                let within = |point: DVec2, reach: f64| spots.iter().any(|&spot| near(point, spot, reach));
+                let felt: Vec<usize> = (0..points.len()).filter(|&index| within(points[index], reach + RIM)).collect();
+                let some: Vec<usize> = felt.iter().copied().filter(|&index| within(points[index], reach)).collect();
+                reference.align(&mut points, arrangement, &some, rounds);
+                let after = self.complaints(&points, &felt, &complaints)?;
+                let misfit: f64 = after.iter().map(|complaint| complaint.misfit).sum();
+                Some((points, felt, after, misfit))
+            };
+            let before = |spots: &[DVec2]| -> f64 {
+                let felt = state.iter().zip(&complaints);
+                let felt = felt.filter(|(point, _)| spots.iter().any(|&spot| near(**point, spot, reach + RIM)));
+                felt.map(|(_, complaint)| complaint.misfit).sum()
+            };
+            // Either end by itself: that takes fewer tries than all pairs.
+            let taken = surplus.iter().map(|&(index, _)| (state[index], Some(index)));
+            let ends: Vec<_> = taken.chain(missing.iter().map(|&(spot, _)| (spot, None))).collect();
+            let change_at = |&(spot, index): &(DVec2, Option<usize>), known: &[(DVec2, bool, f64)]| {
+                known.iter().find(|of| of.0 == spot && of.1 == index.is_some()).map(|of| of.2)
+            };
+            let unknown = ends.iter().filter(|end| change_at(end, &known).is_none()).take(*left as usize);
+            let mut tried: Vec<_> = unknown.map(|&end| (end, f64::INFINITY)).collect();
+            *left -= tried.len() as u32;
+            for_each_chunk(&mut tried, 1, |_, tried| {
+                for ((spot, index), change) in tried {
+                    let mut others = state.clone();
+                    match *index {
+                        Some(index) => drop(others.remove(index)),
+                        None => others.push(*spot),
+                    }
+                    if let Some((.., misfit)) = judged(others, &[*spot]) {
+                        *change = misfit - before(&[*spot]);
+                    }
+                }
+            });
+            known.extend(tried.into_iter().map(|((spot, index), change)| (spot, index.is_some(), change)));
+            let changes: Vec<f64> = ends.iter().map(|end| change_at(end, &known).unwrap_or(f64::INFINITY)).collect();
+            let (gone, come) = changes.split_at(surplus.len());
+            // The most promising first. What ends near one another bring is not the sum of what each does, and a hole
+            // counts besides.
+            let together = |number: usize| {
+                let (from, to) = (number / missing.len(), number % missing.len());
+                let special = near(state[surplus[from].0], missing[to].0, reach + RIM) || fills(missing[to].0);
+                f64::min(gone[from] + come[to], if special { -GAIN } else { f64::INFINITY })
+            };
+            let promise: Vec<f64> = (0..surplus.len() * missing.len()).map(together).collect();
             let mut better = None;
-            for number in moves {
+            for number in order(promise.iter().copied()) {
+                if promise[number] > -GAIN {
+                    break;
+                }
                 let (index, to) = (surplus[number / missing.len()].0, missing[number % missing.len()].0);
                 let from = state[index];
                 if failed.contains(&(from, to)) {
                     continue;
                 }
-                if left == 0 {
+                if *left == 0 {
                     break 'moves;
                 }
-                left -= 1;
-                let within = |other: usize, reach: f64| {
-                    other == index || near(state[other], from, reach) || near(state[other], to, reach)
-                };
-                let felt: Vec<usize> = (0..state.len()).filter(|&other| within(other, reach + RIM)).collect();
-                let some: Vec<usize> = felt.iter().copied().filter(|&other| within(other, reach)).collect();
+                *left -= 1;
                 let aligned = |place: DVec2| {
                     let mut moved = state.clone();
                     moved[index] = place;
-                    reference.align(&mut moved, arrangement, &some, rounds);
-                    let after = self.complaints(&moved, &felt)?;
-                    let misfit: f64 = after.iter().map(|complaint| complaint.misfit).sum();
-                    Some((moved, after, misfit))
+                    judged(moved, &[from, to])
                 };
-                let before: f64 = felt.iter().map(|&index| complaints[index].misfit).sum();
-                let fills = to == DVec2::from(hole.center) && hole.radius > allowed;
-                let Some((moved, after, misfit)) = aligned(to) else { break 'moves };
-                let bonus =
-                    if fills { OPEN * (hole.radius - hole_of(&moved).radius.max(allowed)) / limits.hole } else { 0.0 };
+                let Some((moved, felt, after, misfit)) = aligned(to) else { break 'moves };
+                let bonus = if fills(to) {
+                    OPEN * (hole.radius - hole_of(&moved).radius.max(allowed)) / limits.hole
+                } else {
+                    0.0
+                };
                 // What the alignment alone would bring does not count.
-                let counts = || aligned(from).is_some_and(|(_, _, alone)| misfit < alone - GAIN + bonus);
-                if misfit < before - GAIN + bonus && counts() {
+                let counts = || aligned(from).is_some_and(|(.., alone)| misfit < alone - GAIN + bonus);
+                if misfit < before(&[from, to]) - GAIN + bonus && counts() {
                     better = Some((moved, felt, after, from, to));
                     break;
                 }
@@ -262,9 +316,9 @@ impl<'a> Judge<'a> {
             }
             let Some((moved, felt, after, from, to)) = better else { break 'moves };
             felt.into_iter().zip(after).for_each(|(index, complaint)| complaints[index] = complaint);
-            failed.retain(|&(a, b)| {
-                [a, b].iter().all(|&spot| !near(spot, from, reach + RIM) && !near(spot, to, reach + RIM))
-            });
+            let untouched = |spot: DVec2| [from, to].iter().all(|&end| !near(spot, end, 2.0 * (reach + RIM)));
+            failed.retain(|&(a, b)| untouched(a) && untouched(b));
+            known.retain(|&(spot, ..)| untouched(spot));
             state = moved;
             moves_made += 1;
             hole = hole_of(&state);
@@ -302,14 +356,27 @@ pub fn transplant(
         return 0;
     }
     let Some(reference) = Reference::of(exemplar) else { return 0 };
+    // One more of the class that moves.
+    let classes: Vec<u16> = arrangement.classes.iter().chain(arrangement.classes.last()).copied().collect();
+    let arrangement = Arrangement { classes: &classes, ..arrangement };
     let judge = Judge::new(&reference, arrangement, exemplar, limits, points.len());
-    let kept = judge.transplant(points, limits, Surroundings { reach: REACH, rounds: ROUNDS }, tries);
     let unlike: f64 = reference.usual.iter().map(|&usual| f64::from(usual)).sum();
-    if unlike > REPEATED * exemplar.len() as f64 {
-        return kept;
-    }
+    let repeated = unlike <= REPEATED * exemplar.len() as f64;
+    let near = Surroundings { reach: REACH, rounds: ROUNDS };
     let wide = Surroundings { reach: WIDE_REACH, rounds: WIDE_ROUNDS };
-    kept + judge.transplant(points, limits, wide, tries.div_ceil(WIDE_SHARE))
+    let (mut left, mut left_wide) = (tries, if repeated { tries.div_ceil(WIDE_SHARE) } else { 0 });
+    let mut kept = 0;
+    for cycle in 0..CYCLES {
+        let before = kept;
+        kept += judge.transplant(points, limits, near, &mut left);
+        if repeated && (cycle == 0 || kept > before) {
+            kept += judge.transplant(points, limits, wide, &mut left_wide);
+        }
+        if kept == before || !repeated {
+            break;
+        }
+    }
+    kept
 }
 
 #[cfg(test)]
@@ -405,7 +472,7 @@ mod tests {
             let arrangement = Arrangement { classes: &[0; 144], first: 0, size: SIZE, boundary };
             let judge = Judge::new(&reference, arrangement, &exemplar, limits(&exemplar), points.len());
             let all: Vec<usize> = (0..points.len()).collect();
-            judge.complaints(points, &all).unwrap().iter().filter(|complaint| complaint.misfit > 0.01).count()
+            judge.complaints(points, &all, &[]).unwrap().iter().filter(|complaint| complaint.misfit > 0.01).count()
         };
         assert_eq!(complaints(&points, Boundary::Open), 0);
         assert_eq!(complaints(&points, Boundary::Periodic), 0);

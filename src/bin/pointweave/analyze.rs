@@ -182,6 +182,7 @@ fn two_table(two: &Two) -> String {
         let _ = writeln!(text, "{name:<36}{value:>12}");
     };
     row("\nstacked points, %", format!("{:.2}", 100.0 * defects.stacked));
+    row("tightest clump / exemplar's", format!("{:.3}", defects.clumps));
     row("largest hole / exemplar's", format!("{:.3}", defects.holes));
     if let Some(border) = defects.border {
         row("too many along the border, %", format!("{:+.2}", 100.0 * border));

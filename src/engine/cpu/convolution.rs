@@ -20,11 +20,11 @@
 use crate::domain::Boundary;
 
 use super::lanes::{self, Kernel, LANES, Lanes, padded};
-use super::parallel::{for_each_chunk, threads};
 use super::product::{self, LINE, Lines, PIECE, Pieces, ROWS};
 use super::real::Real;
 use super::scratch::Scratch;
 use super::tile_fft::{self, Signal, Transform, Twiddles};
+use crate::parallel::{for_each_chunk, threads};
 
 /// Side of a kernel.
 pub const KERNEL: usize = 7;

@@ -19,9 +19,9 @@ use crate::domain::Boundary;
 use crate::engine::view::{Lags, Region};
 
 use super::normalization::Statistics;
-use super::parallel::{for_each_chunk, for_each_chunk_pair};
 use super::real::Real;
 use super::scratch::Scratch;
+use crate::parallel::{for_each_chunk, for_each_chunk_pair};
 
 /// A transform that starts from one of rustfft's butterflies.
 type Base<T> = fn(FftDirection) -> Arc<dyn Fft<T>>;
@@ -259,7 +259,7 @@ impl<T: Real> Correlation<T> {
         let complex = 2 * rows * columns;
         let shared = real_channels.div_ceil(2) * complex + real_channels * (lags.count() + region.pixels());
         // A transform along a column of Bluestein's kind needs a few columns more.
-        let own = (super::parallel::threads() + 1) * (2 * complex + 8 * rows.max(columns));
+        let own = (crate::parallel::threads() + 1) * (2 * complex + 8 * rows.max(columns));
         (shared + own) * size_of::<T>()
     }
 

@@ -18,8 +18,8 @@ use crate::method::filters::DISTINCT_MAPS as MAPS;
 use crate::method::{Bands, Weights};
 
 use super::lanes::{self, Kernel, LANES, padded};
-use super::parallel::for_each_chunk;
 use super::real::Real;
+use crate::parallel::for_each_chunk;
 
 /// Tables along one axis: Gaussian, its product with the cosine and with the sine, and the slope of each.
 const TABLES: usize = 6;

@@ -7,10 +7,10 @@ use crate::engine::view::Region;
 
 use super::lanes::{self, Kernel, LANES};
 use super::normalization::{Activate, Statistics};
-use super::parallel::for_each_chunk;
 use super::product;
 use super::real::Real;
 use super::scratch::Scratch;
+use crate::parallel::for_each_chunk;
 
 /// Partial sums of a Gram matrix: enough for any number of cores, few enough to stay in the cache.
 const PARTS: usize = 32;
@@ -49,7 +49,7 @@ impl<T: Real> Gram<T> {
     pub fn bytes_for(channels: usize) -> usize {
         let matrix = channels * channels;
         matrix * size_of::<f64>()
-            + ((PARTS + 1) * matrix + (super::parallel::threads() + 1) * BLOCK * channels) * size_of::<T>()
+            + ((PARTS + 1) * matrix + (crate::parallel::threads() + 1) * BLOCK * channels) * size_of::<T>()
     }
 
     /// The matrix last made, `[channels, channels]` with padded channels.

@@ -8,7 +8,6 @@ pub mod gram;
 pub mod lanes;
 pub mod network;
 pub mod normalization;
-pub mod parallel;
 pub mod product;
 pub mod real;
 pub mod scratch;

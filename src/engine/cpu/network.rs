@@ -17,8 +17,8 @@ use super::gabor::Gabor;
 use super::gram::Gram;
 use super::lanes::padded;
 use super::normalization::Statistics;
-use super::parallel::for_each_chunk;
 use super::real::Real;
+use crate::parallel::for_each_chunk;
 
 /// Operations of one step at most, so that even one thread in a browser is back within about a tenth of a second.
 const OPERATIONS_A_STEP: f64 = 1.5e9;

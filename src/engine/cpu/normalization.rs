@@ -9,8 +9,8 @@ use crate::engine::view::Region;
 
 use super::gram::Gram;
 use super::lanes::{self, Kernel, LANES, Lanes};
-use super::parallel::{for_each_chunk, for_each_chunk_pair};
 use super::real::Real;
+use crate::parallel::{for_each_chunk, for_each_chunk_pair};
 
 /// Added to the variance under the root.
 pub const EPSILON: f64 = 1e-5;

@@ -13,7 +13,7 @@ impl<T: Clone + Default> Scratch<T> {
     #[must_use]
     pub fn new(len: usize) -> Self {
         // One more for a caller that is not one of the pool's threads.
-        let buffers = (0..=super::parallel::threads()).map(|_| Mutex::new(vec![T::default(); len])).collect();
+        let buffers = (0..=crate::parallel::threads()).map(|_| Mutex::new(vec![T::default(); len])).collect();
         Self { buffers }
     }
 

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 /// Calls `work(index, chunk)` for every chunk of `len` elements (the last may be shorter).
-pub fn for_each_chunk<T: Send>(data: &mut [T], len: usize, work: impl Fn(usize, &mut [T]) + Sync + Send) {
+pub(crate) fn for_each_chunk<T: Send>(data: &mut [T], len: usize, work: impl Fn(usize, &mut [T]) + Sync + Send) {
     #[cfg(not(target_arch = "wasm32"))]
     data.par_chunks_mut(len).enumerate().for_each(|(index, chunk)| work(index, chunk));
     #[cfg(target_arch = "wasm32")]
@@ -15,7 +15,7 @@ pub fn for_each_chunk<T: Send>(data: &mut [T], len: usize, work: impl Fn(usize, 
 }
 
 /// Calls `work(index, chunk of a, chunk of b)` for the chunks of two lists, in step.
-pub fn for_each_chunk_pair<A: Send, B: Send>(
+pub(crate) fn for_each_chunk_pair<A: Send, B: Send>(
     a: &mut [A],
     a_len: usize,
     b: &mut [B],
@@ -30,7 +30,7 @@ pub fn for_each_chunk_pair<A: Send, B: Send>(
 
 /// How many threads the chunks are spread over.
 #[must_use]
-pub fn threads() -> usize {
+pub(crate) fn threads() -> usize {
     #[cfg(not(target_arch = "wasm32"))]
     return rayon::current_num_threads();
     #[cfg(target_arch = "wasm32")]
