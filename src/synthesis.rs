@@ -237,6 +237,8 @@ pub struct Best {
 
 /// Alignments at most, with relocations between them.
 const ALIGNMENTS: usize = 3;
+/// How often single points are moved and neighbourhoods aligned in turn at most.
+const TRANSPLANTS: usize = 2;
 /// Holes drawn together at the end of a class at most; one may take several turns.
 const NARROWINGS: usize = 100;
 
@@ -774,9 +776,12 @@ impl Synthesis {
         }
         // What is torn open before the last pass closes in it.
         let hole = if left == 0 { limits.hole } else { f64::INFINITY };
-        let moved = transplant(&mut points, arrangement, &exemplar, Limits { hole, ..limits }, transplants);
-        if moved > 0 && alignment > 0 {
-            // The rest of a row that is no longer too full or too empty.
+        for _ in 0..TRANSPLANTS {
+            let moved = transplant(&mut points, arrangement, &exemplar, Limits { hole, ..limits }, transplants);
+            if moved == 0 || alignment == 0 {
+                break;
+            }
+            // The rest of a row that is no longer too full or too empty; then others can be told apart.
             align(&mut points);
         }
         if value_swaps > 0 {
