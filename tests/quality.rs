@@ -88,7 +88,7 @@ fn fast_keeps_the_spacing_of_blue_noise() {
 
 #[test]
 fn rows_with_a_point_too_many_become_straight() {
-    // With narrow surroundings only, zigzags stay, and detail is 0.83.
+    // Before there were moves with wide surroundings zigzags stayed, and detail was 0.83.
     let bricks = judged("bricks", |parameters| parameters.seed = 4);
     assert!(bricks.quality.precision > 0.87, "{:?}", bricks.quality);
     assert_eq!(bricks.defects.stacked, 0.0);

@@ -65,6 +65,7 @@ pub const CLUMP_SIZES: usize = 5;
 ///
 /// # Errors
 /// With a single point.
+#[inline(never)]
 pub fn tightest_clumps(cloud: &Cloud) -> Result<[f64; CLUMP_SIZES], AnalysisError> {
     let nearest = nearest_distances(cloud, 1 + CLUMP_SIZES)?;
     Ok(std::array::from_fn(|further| nearest.of_rank(2 + further).reduce(f64::min).unwrap_or(0.0)))

@@ -140,7 +140,7 @@ fn defects(facts: &Facts<'_>) -> String {
         wrong.push(format!("{} of its points are stacked in pairs or clumps", percent(defects.stacked)));
     }
     if defects.clumps > CLUMPS {
-        wrong.push(format!("its tightest clump is {} times as tight as any of the exemplar's", short(defects.clumps)));
+        wrong.push(format!("its tightest clump is {} times as tight as the exemplar's", short(defects.clumps)));
     }
     if defects.holes > HOLES {
         wrong.push(format!("its largest hole is {} times as wide as the exemplar's", short(defects.holes)));

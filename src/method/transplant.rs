@@ -73,6 +73,26 @@ struct Complaint {
     surplus: Vec<(usize, f64)>,
 }
 
+/// One end of a move.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    spot: DVec2,
+    /// Which point is taken away there; none where one is put.
+    taken: Option<usize>,
+    /// By how much that alone changes the misfits.
+    change: f64,
+}
+
+/// What comes of a change.
+struct Tried {
+    points: Vec<DVec2>,
+    /// Which of them feel it.
+    felt: Vec<usize>,
+    /// What these complain of.
+    complaints: Vec<Complaint>,
+    misfit: f64,
+}
+
 /// What is aligned after a move.
 #[derive(Clone, Copy, Debug)]
 struct Surroundings {
@@ -207,21 +227,48 @@ impl<'a> Judge<'a> {
         chosen
     }
 
-    /// [`transplant`] with such surroundings.
-    fn transplant(&self, points: &mut [DVec2], limits: Limits, surroundings: Surroundings, left: &mut u32) -> usize {
-        let Self { reference, arrangement, .. } = *self;
+    fn near(&self, a: DVec2, b: DVec2, reach: f64) -> bool {
+        self.arrangement.way(a, b).length() < reach * self.reference.spacing
+    }
+
+    /// Which points are near either spot.
+    #[inline(never)]
+    fn within(&self, points: &[DVec2], spots: [DVec2; 2], reach: f64) -> Vec<usize> {
+        (0..points.len()).filter(|&index| spots.iter().any(|&spot| self.near(points[index], spot, reach))).collect()
+    }
+
+    /// Aligns the points near these spots, and hears again what those complain of that feel it.
+    #[inline(never)]
+    fn tried(
+        &self,
+        mut points: Vec<DVec2>,
+        spots: [DVec2; 2],
+        surroundings: Surroundings,
+        before: &[Complaint],
+    ) -> Option<Tried> {
         let Surroundings { reach, rounds } = surroundings;
+        let felt = self.within(&points, spots, reach + RIM);
+        let some = self.within(&points, spots, reach);
+        self.reference.align(&mut points, self.arrangement, &some, rounds);
+        let complaints = self.complaints(&points, &felt, before)?;
+        let misfit = complaints.iter().map(|complaint| complaint.misfit).sum();
+        Some(Tried { points, felt, complaints, misfit })
+    }
+
+    /// [`transplant`] with such surroundings.
+    #[inline(never)]
+    fn transplant(&self, points: &mut [DVec2], limits: Limits, surroundings: Surroundings, left: &mut u32) -> usize {
+        let arrangement = self.arrangement;
+        let reach = surroundings.reach;
         let all: Vec<usize> = (0..points.len()).collect();
         let Some(mut complaints) = self.complaints(points, &all, &[]) else { return 0 };
-        let near = |a: DVec2, b: DVec2, reach: f64| arrangement.way(a, b).length() < reach * reference.spacing;
         let none = EmptyCircle { center: [0.0; 2], radius: 0.0 };
         let hole_of = |points: &[DVec2]| arrangement.cloud(points).map_or(none, |cloud| largest_empty_circle(&cloud));
         let allowed = HOLE * limits.hole;
         let mut hole = hole_of(points);
         let largest = hole.radius.max(allowed);
-        // By how much the misfits change when the point is taken away, or when one is put there, as long as nothing near
-        // has changed.
-        let mut known: Vec<(DVec2, bool, f64)> = Vec::new();
+        // Ends of moves, as long as nothing near them has changed.
+        let mut known: Vec<End> = Vec::new();
         // Moves that brought nothing, as long as nothing near them has changed.
         let mut failed: Vec<(DVec2, DVec2)> = Vec::new();
         // A hole may open for a while: what leaves it may come back from elsewhere.
@@ -234,53 +281,48 @@ impl<'a> Judge<'a> {
             }
             let fills = |spot: DVec2| hole.radius > allowed && spot == DVec2::from(hole.center);
             let surplus = self.surplus(&complaints);
-            // Those of these points that feel what happens at such spots, aligned where they are near.
-            let judged = |mut points: Vec<DVec2>, spots: &[DVec2]| {
-                let within = |point: DVec2, reach: f64| spots.iter().any(|&spot| near(point, spot, reach));
-                let felt: Vec<usize> = (0..points.len()).filter(|&index| within(points[index], reach + RIM)).collect();
-                let some: Vec<usize> = felt.iter().copied().filter(|&index| within(points[index], reach)).collect();
-                reference.align(&mut points, arrangement, &some, rounds);
-                let after = self.complaints(&points, &felt, &complaints)?;
-                let misfit: f64 = after.iter().map(|complaint| complaint.misfit).sum();
-                Some((points, felt, after, misfit))
-            };
-            let before = |spots: &[DVec2]| -> f64 {
-                let felt = state.iter().zip(&complaints);
-                let felt = felt.filter(|(point, _)| spots.iter().any(|&spot| near(**point, spot, reach + RIM)));
-                felt.map(|(_, complaint)| complaint.misfit).sum()
+            let misfit = |spots: [DVec2; 2]| -> f64 {
+                self.within(&state, spots, reach + RIM).into_iter().map(|index| complaints[index].misfit).sum()
             };
             // Either end by itself: that takes fewer tries than all pairs.
-            let taken = surplus.iter().map(|&(index, _)| (state[index], Some(index)));
-            let ends: Vec<_> = taken.chain(missing.iter().map(|&(spot, _)| (spot, None))).collect();
-            let change_at = |&(spot, index): &(DVec2, Option<usize>), known: &[(DVec2, bool, f64)]| {
-                known.iter().find(|of| of.0 == spot && of.1 == index.is_some()).map(|of| of.2)
-            };
-            let unknown = ends.iter().filter(|end| change_at(end, &known).is_none()).take(*left as usize);
-            let mut tried: Vec<_> = unknown.map(|&end| (end, f64::INFINITY)).collect();
-            *left -= tried.len() as u32;
-            for_each_chunk(&mut tried, 1, |_, tried| {
-                for ((spot, index), change) in tried {
+            let mut ends: Vec<End> = Vec::new();
+            for number in 0..surplus.len() + missing.len() {
+                let taken = surplus.get(number).map(|&(index, _)| index);
+                let spot = taken.map_or_else(|| missing[number - surplus.len()].0, |index| state[index]);
+                let same = known.iter().find(|end| end.spot == spot);
+                let change = same.map_or(f64::NAN, |end| end.change);
+                ends.push(End { spot, taken, change });
+            }
+            for end in ends.iter_mut().filter(|end| end.change.is_nan()) {
+                if *left == 0 {
+                    end.change = f64::INFINITY;
+                } else {
+                    *left -= 1;
+                }
+            }
+            for_each_chunk(&mut ends, 1, |_, ends| {
+                let End { spot, taken, change } = &mut ends[0];
+                if change.is_nan() {
                     let mut others = state.clone();
-                    match *index {
+                    match *taken {
                         Some(index) => drop(others.remove(index)),
                         None => others.push(*spot),
                     }
-                    if let Some((.., misfit)) = judged(others, &[*spot]) {
-                        *change = misfit - before(&[*spot]);
-                    }
+                    let spots = [*spot; 2];
+                    let after = self.tried(others, spots, surroundings, &complaints);
+                    *change = after.map_or(f64::INFINITY, |after| after.misfit - misfit(spots));
                 }
             });
-            known.extend(tried.into_iter().map(|((spot, index), change)| (spot, index.is_some(), change)));
-            let changes: Vec<f64> = ends.iter().map(|end| change_at(end, &known).unwrap_or(f64::INFINITY)).collect();
-            let (gone, come) = changes.split_at(surplus.len());
             // The most promising first. What ends near one another bring is not the sum of what each does, and a hole
             // counts besides.
             let together = |number: usize| {
                 let (from, to) = (number / missing.len(), number % missing.len());
-                let special = near(state[surplus[from].0], missing[to].0, reach + RIM) || fills(missing[to].0);
-                f64::min(gone[from] + come[to], if special { -GAIN } else { f64::INFINITY })
+                let (from, to) = (&ends[from], &ends[surplus.len() + to]);
+                let special = self.near(from.spot, to.spot, reach + RIM) || fills(to.spot);
+                f64::min(from.change + to.change, if special { -GAIN } else { f64::INFINITY })
             };
             let promise: Vec<f64> = (0..surplus.len() * missing.len()).map(together).collect();
+            known = ends;
             let mut better = None;
             for number in order(promise.iter().copied()) {
                 if promise[number] > -GAIN {
@@ -298,28 +340,27 @@ impl<'a> Judge<'a> {
                 let aligned = |place: DVec2| {
                     let mut moved = state.clone();
                     moved[index] = place;
-                    judged(moved, &[from, to])
+                    self.tried(moved, [from, to], surroundings, &complaints)
                 };
-                let Some((moved, felt, after, misfit)) = aligned(to) else { break 'moves };
-                let bonus = if fills(to) {
-                    OPEN * (hole.radius - hole_of(&moved).radius.max(allowed)) / limits.hole
-                } else {
-                    0.0
-                };
+                let Some(after) = aligned(to) else { break 'moves };
+                let mut gained = misfit([from, to]) - after.misfit;
+                if fills(to) {
+                    gained += OPEN * (hole.radius - hole_of(&after.points).radius.max(allowed)) / limits.hole;
+                }
                 // What the alignment alone would bring does not count.
-                let counts = || aligned(from).is_some_and(|(.., alone)| misfit < alone - GAIN + bonus);
-                if misfit < before(&[from, to]) - GAIN + bonus && counts() {
-                    better = Some((moved, felt, after, from, to));
+                let counts = || aligned(from).is_some_and(|alone| GAIN < gained + alone.misfit - misfit([from, to]));
+                if gained > GAIN && counts() {
+                    better = Some((after, from, to));
                     break;
                 }
                 failed.push((from, to));
             }
-            let Some((moved, felt, after, from, to)) = better else { break 'moves };
-            felt.into_iter().zip(after).for_each(|(index, complaint)| complaints[index] = complaint);
-            let untouched = |spot: DVec2| [from, to].iter().all(|&end| !near(spot, end, 2.0 * (reach + RIM)));
+            let Some((after, from, to)) = better else { break 'moves };
+            after.felt.into_iter().zip(after.complaints).for_each(|(index, complaint)| complaints[index] = complaint);
+            let untouched = |spot: DVec2| [from, to].iter().all(|&end| !self.near(spot, end, 2.0 * (reach + RIM)));
             failed.retain(|&(a, b)| untouched(a) && untouched(b));
-            known.retain(|&(spot, ..)| untouched(spot));
-            state = moved;
+            known.retain(|end| untouched(end.spot));
+            state = after.points;
             moves_made += 1;
             hole = hole_of(&state);
             if hole.radius <= largest {
@@ -357,7 +398,8 @@ pub fn transplant(
     }
     let Some(reference) = Reference::of(exemplar) else { return 0 };
     // One more of the class that moves.
-    let classes: Vec<u16> = arrangement.classes.iter().chain(arrangement.classes.last()).copied().collect();
+    let mut classes = arrangement.classes.to_vec();
+    classes.extend(arrangement.classes.last());
     let arrangement = Arrangement { classes: &classes, ..arrangement };
     let judge = Judge::new(&reference, arrangement, exemplar, limits, points.len());
     let unlike: f64 = reference.usual.iter().map(|&usual| f64::from(usual)).sum();

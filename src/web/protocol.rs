@@ -438,8 +438,6 @@ pub struct QualityView {
 pub struct DefectsView {
     /// Share of the points that lie on others, beyond the exemplar's own.
     pub stacked: f64,
-    /// How much tighter the tightest clump is than the exemplar's.
-    pub clumps: f64,
     /// Width of the largest hole over that of the exemplar's.
     pub holes: f64,
     /// Share of the points too many along an open border.

@@ -377,7 +377,6 @@ impl Session {
             },
             defects: DefectsView {
                 stacked: defects.stacked - defects.exemplar_stacked,
-                clumps: defects.clumps,
                 holes: defects.holes,
                 border: defects.border,
             },
@@ -858,7 +857,6 @@ mod tests {
         assert_eq!(answer["quality"]["detail"], json!(quality.precision));
         assert_eq!(answer["quality"]["variety"], json!(quality.coverage));
         assert_eq!(answer["quality"]["independent"], json!(quality.independent));
-        assert_eq!(answer["defects"]["clumps"], json!(expected.defects.clumps));
         assert_eq!(answer["defects"]["holes"], json!(expected.defects.holes));
         assert_eq!(answer["defects"]["border"], Value::Null, "a tile has no border");
         assert_eq!(answer["verdict"], json!(verdict(&expected)));

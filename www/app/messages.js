@@ -86,7 +86,7 @@
  *   power: Float32Array, relativeRadius: number }} CurvesView
  */
 /** @typedef {{ score: number, arrangement: number, detail: number, variety: number, independent: number }} QualityView */
-/** @typedef {{ stacked: number, clumps: number, holes: number, border: number | null }} DefectsView */
+/** @typedef {{ stacked: number, holes: number, border: number | null }} DefectsView */
 /** @typedef {Record<string, number | string>} Parameters */
 /**
  * @typedef {{ class: number, turn: number, classes: number, scale: number, scales: number, restart: number, restarts: number, redoing: boolean,
