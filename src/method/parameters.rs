@@ -271,8 +271,8 @@ pub struct Parameters {
     /// After the last scale neighbourhoods that nearly match one of the exemplar's are made to match, in this many
     /// rounds at most.
     pub alignment: u32,
-    /// After each pass over the finest scale this many moves of single points are tried, from where one is too many to
-    /// where one is missing.
+    /// After each pass over the finest scale so many changes are tried at most, and as many again if they bring
+    /// something: a point less, a point more, or one moved from where it is too many to where it is missing.
     #[serde(default)]
     pub transplants: u32,
     /// How often the regions that came out worst are shaken and go through the finer half of the ladder again; what does
