@@ -140,7 +140,7 @@ impl<'a> Judge<'a> {
             let guess = before.get(index).map_or(0, |before| before.like);
             grid.nearest(points[index], NEIGHBOURHOOD, Some(index), &mut found);
             let distance = |rank: usize| found.get(rank - 1).map(|found| found.distance_squared.sqrt());
-            // 0 where any distance will do: not a number is less than a number.
+            // 0 where any distance will do: `max` drops what 0 / 0 gives.
             let lacks = |rank: usize, least: f64| distance(rank).map_or(0.0, |found| (1.0 - found / least).max(0.0));
             let clumps = self.room.clumps.into_iter().zip(2..);
             let clump = clumps.map(|(least, rank)| lacks(rank, least)).fold(0.0, f64::max);
