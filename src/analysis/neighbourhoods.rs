@@ -122,21 +122,22 @@ impl Neighbourhoods {
     /// The neighbourhood among `candidates` that is most like the one of this number, and how far it is from it; none
     /// where a window's border cuts it off. A good `guess` saves most of the work.
     pub(crate) fn best_match(&self, index: usize, candidates: &Self, guess: usize) -> Option<(usize, f32)> {
-        self.match_among(index, candidates, guess, candidates.all.len())
+        self.match_among(index, candidates, guess, true)
     }
 
-    /// The same among the guess and the first `most` candidates.
+    /// The same, but among the guess alone where nothing else is `searched`.
     #[inline(never)]
     pub(crate) fn match_among(
         &self,
         index: usize,
         candidates: &Self,
         guess: usize,
-        most: usize,
+        searched: bool,
     ) -> Option<(usize, f32)> {
         let own = &self.all[index];
         let first = candidates.all.get(guess).map(|other| (guess, other));
-        let among = first.into_iter().chain(candidates.all.iter().enumerate().take(most));
+        let others = candidates.all.iter().enumerate().take(if searched { usize::MAX } else { 0 });
+        let among = first.into_iter().chain(others);
         let among = among.filter(|(_, other)| other.complete && other.class == own.class);
         own.complete.then(|| self.best_among(own, candidates, among)).flatten()
     }

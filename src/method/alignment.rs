@@ -86,7 +86,7 @@ impl Reference {
         let mut found = Vec::with_capacity(NEIGHBOURHOOD + 1);
         let mut claims = Vec::with_capacity(NEIGHBOURHOOD);
         for round in 0..rounds {
-            let searched = if round % SEARCHED == 0 { usize::MAX } else { 0 };
+            let searched = round % SEARCHED == 0;
             let Some(cloud) = arrangement.classed_cloud(points) else { return round };
             let Ok(own) = Neighbourhoods::of_some(&cloud, spacing, some) else { return round };
             let grid = cloud.neighbours();

@@ -96,7 +96,7 @@ impl Overlaps {
         let mut ranks = vec![0_usize; self.ratios.len()];
         for place in ranked {
             let contact = &mut contacts[place];
-            if contact.pair.iter().all(|&point| point < first) {
+            if contact.is_frozen(first) {
                 continue;
             }
             let other = contact.pair.iter().map(|&point| usize::from(disks.classes[sources[point]])).min().unwrap_or(0);

@@ -229,6 +229,13 @@ pub(super) struct Contact {
     pub(super) most: f64,
 }
 
+impl Contact {
+    /// Whether neither point may move, as those before `first` may not.
+    pub(super) fn is_frozen(&self, first: usize) -> bool {
+        self.pair.iter().all(|&point| point < first)
+    }
+}
+
 /// The pairs within `reach`, each with any distance allowed. A point and its own image are left out: they can't be
 /// parted.
 pub(super) fn contacts(cloud: &Cloud, reach: f64) -> Vec<Contact> {
@@ -258,8 +265,9 @@ pub(super) fn settle(
         demand(&mut contacts);
         let mut push = vec![DVec2::ZERO; points.len()];
         let (mut close, mut loose) = (false, false);
-        for Contact { pair: [i, j], offset, length, least, most } in contacts {
-            if i.max(j) < first {
+        for contact in contacts {
+            let Contact { pair: [i, j], offset, length, least, most } = contact;
+            if contact.is_frozen(first) {
                 continue;
             }
             let wanted = if length < SLACK * least {

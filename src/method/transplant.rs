@@ -343,12 +343,13 @@ impl<'a> Judge<'a> {
                     self.tried(moved, [from, to], surroundings, &complaints)
                 };
                 let Some(after) = aligned(to) else { break 'moves };
-                let mut gained = misfit([from, to]) - after.misfit;
+                let before = misfit([from, to]);
+                let mut gained = before - after.misfit;
                 if fills(to) {
                     gained += OPEN * (hole.radius - hole_of(&after.points).radius.max(allowed)) / limits.hole;
                 }
                 // What the alignment alone would bring does not count.
-                let counts = || aligned(from).is_some_and(|alone| GAIN < gained + alone.misfit - misfit([from, to]));
+                let counts = || aligned(from).is_some_and(|alone| GAIN < gained + alone.misfit - before);
                 if gained > GAIN && counts() {
                     better = Some((after, from, to));
                     break;
