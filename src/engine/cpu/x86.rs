@@ -5,6 +5,7 @@
 //! is what the gradient's product needs of every filter in every iteration.
 
 use std::arch::x86_64::__m256;
+use std::hint::black_box;
 
 use pulp::x86::{V3, V4};
 use pulp::{NullaryFnOnce, Simd, f32x16};
@@ -14,6 +15,10 @@ use super::product::{LINE, Lines, PIECE, Pieces, ROWS};
 
 /// Channels in a 512-bit vector.
 const WIDE: usize = 2 * LANES;
+/// Pieces of the left operand are whole pages apart, so that nothing fetches the next one in time unless it is asked for:
+/// one number of each of its cache lines, this many pieces before it is needed. (A prefetch would do, but is not safe
+/// code, and no faster.)
+const AHEAD: usize = 3;
 
 /// [`super::product::complex`] with 512-bit vectors. Returns whether this machine has them; nothing is written where it
 /// has not.
@@ -70,7 +75,11 @@ fn complex_block<const CONJUGATE: bool>(
     let mut im = re;
     let lines = LANES * stride;
     for (group, (w_re, w_im)) in w_re.chunks(lines).zip(w_im.chunks(lines)).enumerate() {
-        let Some(x) = x.data[(first + group) * x.stride..].first_chunk::<PIECE>() else { break };
+        let piece = |number: usize| x.data.get(number * x.stride..)?.first_chunk::<PIECE>();
+        for next in piece(first + group + AHEAD).into_iter().flat_map(|next| next.chunks_exact(LINE)) {
+            black_box(next[0]);
+        }
+        let Some(x) = piece(first + group) else { break };
         for (k, (w_re, w_im)) in w_re.chunks(stride).zip(w_im.chunks(stride)).enumerate().take(LANES) {
             let (w_re, w_im) = (load(w_re), load(w_im));
             let negative = simd.neg_f32s(w_im);
