@@ -6,12 +6,15 @@ use serde::{Deserialize, Serialize};
 use super::cloud::{Cloud, check_positive};
 use super::error::AnalysisError;
 use crate::domain::Boundary;
+use crate::parallel::for_each_chunk;
 
 /// How many neighbours make a neighbourhood.
 pub const NEIGHBOURHOOD: usize = 8;
 /// Among how many of the other side's they are looked for. In a lattice several neighbours are equally far, and which
 /// of them comes eighth is decided by the last digit: hexagonal ones have 6 and 6, square ones 4, 4 and 4.
 const SPARE: usize = 12;
+/// Neighbourhoods looked up in one go.
+const TOGETHER: usize = 16;
 /// A window's incomplete neighbourhoods are left out unless fewer than this share is complete.
 const ENOUGH: f64 = 0.1;
 
@@ -66,28 +69,29 @@ impl Neighbourhoods {
         Ok(own)
     }
 
-    /// The same of these points only, in this order; incomplete ones are left out however many they are.
+    /// The same of these points only, in this order, natively on all threads; incomplete ones are left out however many they
+    /// are.
     #[inline(never)]
     pub(crate) fn of_some(cloud: &Cloud, spacing: f64, some: &[usize]) -> Result<Self, AnalysisError> {
         cloud.at_least("a neighbourhood", 2)?;
         check_positive("spacing", spacing)?;
         let grid = cloud.neighbours();
-        let mut found = Vec::with_capacity(SPARE + 1);
-        let all = some
-            .iter()
-            .map(|&index| {
+        let blank = Neighbourhood {
+            // What is missing is never the nearest.
+            x: [f32::MAX.sqrt() / 4.0; SPARE],
+            y: [f32::MAX.sqrt() / 4.0; SPARE],
+            classes: [0; SPARE],
+            count: 0,
+            class: 0,
+            complete: true,
+        };
+        let mut all = vec![blank; some.len()];
+        for_each_chunk(&mut all, TOGETHER, |chunk, all| {
+            let mut found = Vec::with_capacity(SPARE + 1);
+            for (own, &index) in all.iter_mut().zip(&some[chunk * TOGETHER..]) {
                 let (point, class) = (cloud.points()[index], cloud.classes()[index]);
                 grid.nearest(point, SPARE, Some(index), &mut found);
-                // What is missing is never the nearest.
-                let far = f32::MAX.sqrt() / 4.0;
-                let mut own = Neighbourhood {
-                    x: [far; SPARE],
-                    y: [far; SPARE],
-                    classes: [class; SPARE],
-                    count: found.len(),
-                    class,
-                    complete: true,
-                };
+                (own.class, own.classes, own.count) = (class, [class; SPARE], found.len());
                 for (place, neighbour) in found.iter().enumerate() {
                     own.x[place] = (neighbour.offset.x / spacing) as f32;
                     own.y[place] = (neighbour.offset.y / spacing) as f32;
@@ -98,9 +102,8 @@ impl Neighbourhoods {
                     let last = found.get(NEIGHBOURHOOD - 1).map(|neighbour| neighbour.distance_squared.sqrt());
                     own.complete = last.is_some_and(|distance| distance <= to_border);
                 }
-                own
-            })
-            .collect();
+            }
+        });
         let single_class = cloud.classes().windows(2).all(|pair| pair[0] == pair[1]);
         Ok(Self { all, single_class })
     }
@@ -120,14 +123,9 @@ impl Neighbourhoods {
     }
 
     /// The neighbourhood among `candidates` that is most like the one of this number, and how far it is from it; none
-    /// where a window's border cuts it off. A good `guess` saves most of the work.
-    pub(crate) fn best_match(&self, index: usize, candidates: &Self, guess: usize) -> Option<(usize, f32)> {
-        self.match_among(index, candidates, guess, true)
-    }
-
-    /// The same, but among the guess alone where nothing else is `searched`.
-    #[inline(never)]
-    pub(crate) fn match_among(
+    /// where a window's border cuts it off. A good `guess` saves most of the work; where nothing is `searched`, it is the
+    /// only one looked at.
+    pub(crate) fn best_match(
         &self,
         index: usize,
         candidates: &Self,

@@ -15,6 +15,7 @@ use glam::DVec2;
 use super::repair::{Arrangement, HOLE, Limits};
 use crate::analysis::{Cloud, NEIGHBOURHOOD, Neighbourhoods, largest_empty_circle};
 use crate::domain::keep_inside;
+use crate::parallel::for_each_chunk;
 
 /// A neighbour this many mean spacings from its place stands there by mistake rather than by inaccuracy and is asked
 /// for less, by a Gaussian of this width.
@@ -50,6 +51,17 @@ impl Reference {
         let usual = (0..exemplar.len()).map(|index| wanted.match_within(index)).collect();
         Some(Self { spacing, wanted, usual })
     }
+
+    /// Which of the exemplar's neighbourhoods each of `own` is most like, and how far it is from it, natively on all
+    /// threads; see [`Neighbourhoods::best_match`].
+    #[inline(never)]
+    pub(super) fn matches(&self, own: &Neighbourhoods, guesses: &[usize], searched: bool) -> Vec<Option<(usize, f32)>> {
+        let mut matches = vec![None; guesses.len()];
+        for_each_chunk(&mut matches, 1, |number, found| {
+            found[0] = own.best_match(number, &self.wanted, guesses[number], searched);
+        });
+        matches
+    }
 }
 
 /// How much less each point's neighbourhood is like its best match in the exemplar than that one is like another of the
@@ -57,13 +69,11 @@ impl Reference {
 #[must_use]
 pub fn misfits(output: &Cloud, exemplar: &Cloud) -> Vec<f64> {
     let none = || vec![0.0; output.len()];
-    let Some(Reference { spacing, wanted, usual }) = Reference::of(exemplar) else { return none() };
-    let Ok(own) = Neighbourhoods::of(output, spacing) else { return none() };
-    (0..output.len())
-        .map(|index| {
-            own.best_match(index, &wanted, 0).map_or(0.0, |(best, distance)| (distance - usual[best]).max(0.0).into())
-        })
-        .collect()
+    let Some(reference) = Reference::of(exemplar) else { return none() };
+    let Ok(own) = Neighbourhoods::of(output, reference.spacing) else { return none() };
+    let matches = reference.matches(&own, &vec![0; output.len()], true);
+    let misfit = |(best, distance): (usize, f32)| (distance - reference.usual[best]).max(0.0).into();
+    matches.into_iter().map(|found| found.map_or(0.0, misfit)).collect()
 }
 
 /// Moves the points for up to `rounds` rounds; frozen ones count. Classes are told apart. Returns how many rounds were
@@ -82,8 +92,8 @@ impl Reference {
         let Arrangement { classes, first, size, boundary } = arrangement;
         let spacing = self.spacing;
         // What a point looked like most in the round before, which it will hardly be less like than anything else now.
-        let mut matches = vec![0; some.len()];
-        let mut found = Vec::with_capacity(NEIGHBOURHOOD + 1);
+        let mut guesses = vec![0; some.len()];
+        let mut neighbours = Vec::with_capacity(NEIGHBOURHOOD + 1);
         let mut claims = Vec::with_capacity(NEIGHBOURHOOD);
         for round in 0..rounds {
             let searched = round % SEARCHED == 0;
@@ -91,16 +101,17 @@ impl Reference {
             let Ok(own) = Neighbourhoods::of_some(&cloud, spacing, some) else { return round };
             let grid = cloud.neighbours();
             let mut asked = vec![(DVec2::ZERO, 0.0); points.len()];
-            for (number, (&index, guess)) in some.iter().zip(&mut matches).enumerate() {
-                let Some((best, distance)) = own.match_among(number, &self.wanted, *guess, searched) else { continue };
+            let matches = self.matches(&own, &guesses, searched);
+            for ((&index, guess), found) in some.iter().zip(&mut guesses).zip(matches) {
+                let Some((best, distance)) = found else { continue };
                 *guess = best;
                 let urgency = f64::from(1.0 - self.usual[best] / distance.max(f32::MIN_POSITIVE));
                 if urgency <= 0.0 {
                     continue;
                 }
-                grid.nearest(cloud.points()[index], NEIGHBOURHOOD, Some(index), &mut found);
+                grid.nearest(cloud.points()[index], NEIGHBOURHOOD, Some(index), &mut neighbours);
                 claims.clear();
-                for neighbour in &found {
+                for neighbour in &neighbours {
                     let class = classes[neighbour.index];
                     let way = self.wanted.way_to_place(best, neighbour.offset / spacing, class);
                     let Some((place, way)) = way else { continue };

@@ -134,10 +134,11 @@ impl<'a> Judge<'a> {
         let cloud = self.arrangement.classed_cloud(points)?;
         let own = Neighbourhoods::of_some(&cloud, *spacing, some).ok()?;
         let grid = cloud.neighbours();
+        let guesses: Vec<usize> = some.iter().map(|&index| before.get(index).map_or(0, |before| before.like)).collect();
+        let matches = self.reference.matches(&own, &guesses, true);
         let mut found = Vec::with_capacity(NEIGHBOURHOOD + 1);
-        let complaints = some.iter().enumerate().map(|(number, &index)| {
+        let complaints = some.iter().zip(matches).map(|(&index, best)| {
             let mut complaint = Complaint::default();
-            let guess = before.get(index).map_or(0, |before| before.like);
             grid.nearest(points[index], NEIGHBOURHOOD, Some(index), &mut found);
             let distance = |rank: usize| found.get(rank - 1).map(|found| found.distance_squared.sqrt());
             // 0 where any distance will do: `max` drops what 0 / 0 gives.
@@ -151,7 +152,7 @@ impl<'a> Judge<'a> {
             if crowd + alone > 0.0 && index >= first {
                 complaint.surplus.push((index, crowd + alone));
             }
-            let Some((best, distance)) = own.best_match(number, wanted, guess) else { return complaint };
+            let Some((best, distance)) = best else { return complaint };
             complaint.like = best;
             let misfit = f64::from(distance - usual[best]);
             if misfit < INACCURATE {
