@@ -787,7 +787,10 @@ impl Synthesis {
         if value_swaps > 0 {
             self.exchange_values(&exemplar, &points, &mut sources, first, value_swaps);
         }
-        keep_off_border(&mut points, arrangement, spacing_floor * limits.border);
+        if spacing_floor > 0.0 {
+            // The whole of it even where points may stand closer to one another: they press against the border.
+            keep_off_border(&mut points, arrangement, limits.border);
+        }
         let mut room = Room::of(limits, spacing_floor, self.output_size, points.len());
         if left > 0 {
             // Groups that are only forming would be torn.

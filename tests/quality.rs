@@ -6,6 +6,7 @@
 use pointweave::analysis::Comparison;
 use pointweave::gallery;
 use pointweave::method::{Parameters, Preset};
+use pointweave::pattern::PointPattern;
 use pointweave::synthesis::Synthesis;
 
 const MEMORY: u64 = 2_000_000_000;
@@ -20,14 +21,21 @@ fn judged(name: &str, change: impl FnOnce(&mut Parameters)) -> Comparison {
 }
 
 fn judged_with(preset: Preset, name: &str, change: impl FnOnce(&mut Parameters)) -> Comparison {
+    let (exemplar, output) = grown(preset, name, change);
+    let comparison = Comparison::of(&exemplar, &output, 1).unwrap();
+    println!("{name}: {:?} {:?}", comparison.quality, comparison.defects);
+    comparison
+}
+
+/// An exemplar, and what comes of it.
+fn grown(preset: Preset, name: &str, change: impl FnOnce(&mut Parameters)) -> (PointPattern, PointPattern) {
     let exemplar = gallery::find(name).unwrap().exemplar();
     let mut parameters = Parameters::suited_to(preset, &exemplar);
     change(&mut parameters);
     let mut run = Synthesis::new(exemplar.clone(), parameters, MEMORY).unwrap();
     run.run(u64::MAX).unwrap();
-    let comparison = Comparison::of(&exemplar, &run.output().unwrap(), 1).unwrap();
-    println!("{name}: {:?} {:?}", comparison.quality, comparison.defects);
-    comparison
+    let output = run.output().unwrap();
+    (exemplar, output)
 }
 
 #[test]
@@ -111,6 +119,27 @@ fn paper_keeps_the_spacing_of_blue_noise() {
         parameters.spacing_floor = 0.6;
     });
     assert!(closer.output.relative_radius < wanted - 0.05, "ρ {}", closer.output.relative_radius);
+}
+
+#[test]
+fn paper_presses_no_points_against_a_window_s_border() {
+    let pressed = |spacing_floor: f64| {
+        let (exemplar, output) = grown(Preset::Paper, "phyllotaxis", |parameters| {
+            (parameters.expansion_x, parameters.expansion_y) = (1.0, 1.0);
+            (parameters.channels, parameters.grid_min) = (8, 64);
+            (parameters.iterations_coarse, parameters.iterations_fine) = (60, 30);
+            (parameters.spacing_floor, parameters.transplants) = (spacing_floor, 0);
+        });
+        let off_border = |pattern: &PointPattern| -> Vec<f64> {
+            let (min, max) = (pattern.domain().min(), pattern.domain().max());
+            pattern.positions().iter().map(|&point| (point - min).min(max - point).min_element()).collect()
+        };
+        let least = off_border(&exemplar).into_iter().fold(f64::INFINITY, f64::min);
+        off_border(&output).into_iter().filter(|&distance| distance < 0.9 * least).count()
+    };
+    let (kept_off, left) = (pressed(0.6), pressed(0.0));
+    // Negative control: the descent presses them against it. Being parted from others brings single ones near it again.
+    assert!(left > 15 && kept_off < 5, "{kept_off} and {left} points nearer than any of the exemplar's");
 }
 
 #[test]

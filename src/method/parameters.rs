@@ -264,7 +264,7 @@ pub struct Parameters {
     #[serde(default)]
     pub repair_scales: u32,
     /// After each scale points are pushed apart until they keep this share of the exemplar's smallest distance, and off
-    /// an open border as far as that share of its smallest distance from one; 0 lets them coincide, as the paper.
+    /// an open border as far as the exemplar's stay; 0 lets them coincide, and stand on it, as the paper.
     pub spacing_floor: f64,
     /// After each scale this share of the points at most goes from crowds into holes, where the exemplar has neither.
     pub relocation: f64,
@@ -632,9 +632,10 @@ impl Parameters {
             // Single points of rows crowd beside a gap.
             self.alignment = 20;
         }
-        if is_lattice || exemplar.boundary() == Boundary::Open {
-            // Rows keep single points that are too many, rings stay open, and strays near the border.
-            self.transplants = 100;
+        let is_open = exemplar.boundary() == Boundary::Open;
+        if is_lattice || is_open {
+            // Rows keep single points that are too many, rings stay open, and strays stand along the border.
+            self.transplants = if is_open { 600 } else { 100 };
         }
         if exemplar.aggregation_index().is_some_and(|index| index >= SPACED_INDEX) {
             // Blurred maps hardly see a few pairs that are a little closer than any of the exemplar, and ρ sees nothing
