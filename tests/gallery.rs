@@ -562,12 +562,7 @@ fn presets_suit_lattices_values_classes_and_nothing_else() {
             sigma_fine_divisor: fine,
             correlation_weight: weight,
             spacing_floor: if index >= 1.7 { 1.0 } else { 0.6 },
-            alignment: if is_lattice { 20 } else { 0 },
-            transplants: match (open, is_lattice) {
-                (true, _) => 600,
-                (false, true) => 100,
-                (false, false) => 0,
-            },
+            alignment: if open { 0 } else { 20 },
             ..paper
         };
         assert_eq!(Parameters::suited_to(Preset::Paper, &exemplar), paper, "{}", entry.name);

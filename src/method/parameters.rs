@@ -481,13 +481,13 @@ impl Parameters {
             iterations_coarse: 500,
             iterations_fine: 500,
             iterations_polish: 0,
-            // The descent is the paper's throughout. Its outcome may have points on one another and holes, which no
-            // preset may leave behind; nothing else is touched.
+            // The descent is the paper's throughout. Its outcome may have points on one another, clumps, holes, and rows
+            // with single gaps, which no preset may leave behind.
             repair_scales: 1,
             spacing_floor: 0.6,
             relocation: 0.1,
-            alignment: 0,
-            transplants: 0,
+            alignment: 20,
+            transplants: 600,
             restarts: 0,
             disk_overlap: 0.0,
             value_swaps: 0,
@@ -629,13 +629,10 @@ impl Parameters {
             self.sigma_coarse_divisor = LATTICE_COARSE_DIVISOR;
             self.sigma_fine_divisor = LATTICE_FINE_DIVISOR;
             self.correlation_weight = LATTICE_CORRELATION_WEIGHT;
-            // Single points of rows crowd beside a gap.
-            self.alignment = 20;
         }
-        let is_open = exemplar.boundary() == Boundary::Open;
-        if is_lattice || is_open {
-            // Rows keep single points that are too many, rings stay open, and strays stand along the border.
-            self.transplants = if is_open { 600 } else { 100 };
+        if exemplar.boundary() == Boundary::Open {
+            // Rings that the network found as a whole come apart where neighbourhoods are cut off.
+            self.alignment = 0;
         }
         if exemplar.aggregation_index().is_some_and(|index| index >= SPACED_INDEX) {
             // Blurred maps hardly see a few pairs that are a little closer than any of the exemplar, and ρ sees nothing
