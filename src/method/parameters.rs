@@ -66,7 +66,7 @@ pub enum Preset {
     /// Seconds: few channels, a grid just fine enough.
     #[default]
     Fast,
-    /// A minute or two: more channels, more iterations.
+    /// A minute or two: more iterations, other tries at the worst regions.
     Balanced,
     /// As good as it gets: many minutes.
     Best,
@@ -552,9 +552,9 @@ impl Parameters {
     /// with Best, and values of a single class at least 7 pixels per wide σ; from three classes on Balanced takes 6, and
     /// two other tries. Best spends its time on windows in a larger network instead of on other tries. Up to four classes
     /// together make as many iterations as one with Fast, up to eight as many as two with Balanced. The Paper preset only
-    /// takes the boundary and, for lattices, another c₁, c₂ and correlation weight. Repairs at its end are for what needs
-    /// them: alignment in lattices, moves of single points in these and windows, the exemplar's smallest distance in all
-    /// that is as evenly spaced as blue noise.
+    /// takes the boundary and, for lattices, another c₁, c₂ and correlation weight. Of its repairs neighbourhoods are
+    /// aligned but for windows, and the exemplar's smallest distance is kept in all that is as evenly spaced as blue
+    /// noise.
     #[must_use]
     pub fn suited_to(preset: Preset, exemplar: &PointPattern) -> Self {
         let mut parameters = Self { boundary: exemplar.boundary(), ..Self::preset(preset) };

@@ -31,7 +31,7 @@ impl From<BoundaryArgument> for Boundary {
 pub(crate) enum PresetArgument {
     /// Seconds: few channels, a grid just fine enough.
     Fast,
-    /// A minute or two: more iterations, and another try at the worst regions.
+    /// A minute or two: more iterations, and three other tries at the worst regions.
     Balanced,
     /// Many minutes: more channels, a finer grid, and many tries at the worst regions.
     Best,
