@@ -1,8 +1,9 @@
 //! How good the presets are: every exemplar of the gallery × preset × seed, judged, in a table and on a sheet of pictures.
 //!
 //! `cargo xtask quality` runs this; so does `cargo run --release --example quality`. Every run is written to the folder
-//! as soon as it is done and taken from there the next time, so a long table can be made in pieces. An ablation is the
-//! same with `--set` and a `--label` of its own.
+//! as soon as it is done and taken from there the next time, so a long table can be made in pieces; what was made with
+//! other parameters is refused. An ablation is the same with `--set` and a `--label` of its own. `--judge` takes the
+//! points that lie there and measures them anew.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,10 +15,10 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use clap::{Parser, ValueEnum};
 use font8x8::{BASIC_FONTS, UnicodeFonts};
-use pointweave::analysis::{Comparison, Defects, MarkError, Quality};
+use pointweave::analysis::{Comparison, Defects, MarkError, Quality, Score, scores};
 use pointweave::engine::gpu::{self, Gpu};
 use pointweave::formats::style::Look;
-use pointweave::formats::{draw, encode_png, write_csv};
+use pointweave::formats::{self, ReadOptions, draw, encode_png, write_csv};
 use pointweave::gallery::{self, Entry};
 use pointweave::method::{Parameters, Preset};
 use pointweave::synthesis::{Event, Synthesis};
@@ -47,6 +48,9 @@ struct Arguments {
     /// Make everything anew, whatever lies in the folder.
     #[arg(long)]
     fresh: bool,
+    /// Judge the points that lie in the folder anew and run nothing, as after a change of the statistics.
+    #[arg(long, conflicts_with = "fresh")]
+    judge: bool,
     /// fast, balanced, best, paper: several with commas.
     #[arg(long, value_delimiter = ',', default_values = Preset::ALL.map(Preset::name), value_parser = Preset::from_name)]
     presets: Vec<Preset>,
@@ -98,14 +102,24 @@ struct Outcome {
     entry: String,
     preset: String,
     seed: u64,
-    exemplar_points: usize,
-    points: usize,
+    /// What it was made with.
+    #[serde(default)]
+    parameters: Map<String, Value>,
     iterations: u64,
     seconds: f64,
     /// Seconds of processor time, which other programs on the machine don't lengthen; only Linux tells.
     #[serde(default)]
     processor_seconds: Option<f64>,
     loss: f64,
+    #[serde(flatten)]
+    judgement: Judgement,
+}
+
+/// What is measured of an output.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Judgement {
+    exemplar_points: usize,
+    points: usize,
     quality: Quality,
     defects: Defects,
     /// ρ of the exemplar and of the output.
@@ -114,6 +128,9 @@ struct Outcome {
     /// The paper's, over its four patches, where there are enough points.
     chamfer: Option<f64>,
     wasserstein: Option<f64>,
+    /// Everything that the quality leaves out, on its scale.
+    #[serde(default)]
+    scores: Vec<Score>,
     /// Pair correlations of the classes, and mark correlations of the attributes, where there are any.
     #[serde(default)]
     classes: Option<MarkError>,
@@ -121,18 +138,35 @@ struct Outcome {
     marks: Option<MarkError>,
 }
 
+impl Judgement {
+    fn of(exemplar: &PointPattern, output: &PointPattern, seed: u64) -> Result<Self> {
+        let comparison = Comparison::of(exemplar, output, seed)?;
+        Ok(Self {
+            exemplar_points: exemplar.len(),
+            points: output.len(),
+            quality: comparison.quality,
+            defects: comparison.defects,
+            relative_radius: [comparison.exemplar.relative_radius, comparison.output.relative_radius],
+            pair_correlation_error: comparison.pair_correlation_error,
+            chamfer: comparison.patches.as_ref().map(|patches| patches.chamfer),
+            wasserstein: comparison.patches.as_ref().and_then(|patches| patches.wasserstein),
+            scores: scores(exemplar, output, seed)?,
+            classes: comparison.marks.as_ref().and_then(|marks| marks.classes),
+            marks: comparison.marks.as_ref().and_then(|marks| marks.marks),
+        })
+    }
+
+    fn score(&self, statistic: &str) -> f64 {
+        self.scores.iter().find(|one| one.statistic == statistic).map_or(f64::NAN, |one| one.score)
+    }
+}
+
 impl Outcome {
     fn words(&self) -> String {
+        let Judgement { quality, exemplar_points, points, .. } = &self.judgement;
         format!(
-            "{:.2} ({:.2} {:.2} {:.2})  {} -> {} points, {} iterations, {:.1} s",
-            self.quality.score,
-            self.quality.pair_density,
-            self.quality.precision,
-            self.quality.coverage,
-            self.exemplar_points,
-            self.points,
-            self.iterations,
-            self.seconds,
+            "{:.2} ({:.2} {:.2} {:.2})  {exemplar_points} -> {points} points, {} iterations, {:.1} s",
+            quality.score, quality.pair_density, quality.precision, quality.coverage, self.iterations, self.seconds,
         )
     }
 }
@@ -161,7 +195,16 @@ fn main() -> Result<()> {
             }
         }
     }
-    let left = Mutex::new(jobs.iter().filter(|job| arguments.fresh || !job.file.is_file()).collect::<Vec<_>>());
+    for job in jobs.iter().filter(|job| job.file.is_file()) {
+        if arguments.judge {
+            println!("{} {} {}: {}", job.preset.name(), job.entry.name, job.seed, judge_anew(job)?.words());
+        } else if !arguments.fresh {
+            // Before anything is run: one table shall not hold two sets of parameters.
+            admit(job, &members(job, &arguments)?)?;
+        }
+    }
+    let wanted = |job: &&Job| !arguments.judge && (arguments.fresh || !job.file.is_file());
+    let left = Mutex::new(jobs.iter().filter(wanted).collect::<Vec<_>>());
     let failures = Mutex::new(Vec::new());
     let work = || {
         // A device for each job: waiting for one waits for everything on it.
@@ -237,8 +280,8 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Entry>> {
         .collect()
 }
 
-/// The preset's parameters as they suit the exemplar, with those of the command line.
-fn parameters(job: &Job, arguments: &Arguments) -> Result<Parameters> {
+/// The preset's parameters as they suit the exemplar, with those of the command line, by name.
+fn members(job: &Job, arguments: &Arguments) -> Result<Map<String, Value>> {
     let mut parameters = Parameters::suited_to(job.preset, &job.entry.exemplar());
     parameters.seed = job.seed;
     parameters.boundary = arguments.boundary.unwrap_or(parameters.boundary);
@@ -251,14 +294,45 @@ fn parameters(job: &Job, arguments: &Arguments) -> Result<Parameters> {
         let value = value.parse().unwrap_or_else(|_| Value::String(value.to_owned()));
         members.insert(name.to_owned(), value);
     }
-    Ok(serde_json::from_value(Value::Object(members))?)
+    // As they are when read: `4` and `4.0` are one number then.
+    let parameters: Parameters = serde_json::from_value(Value::Object(members))?;
+    Ok(serde_json::from_value(serde_json::to_value(parameters)?)?)
+}
+
+/// Refuses a result that was made with other parameters.
+fn admit(job: &Job, wanted: &Map<String, Value>) -> Result<()> {
+    let found = read_outcome(&job.file)?.parameters;
+    // Through text as well: its last digit may be another one.
+    let wanted: &Map<String, Value> = &serde_json::from_str(&serde_json::to_string(wanted)?)?;
+    let differs = |name: &&String| found.get(*name) != wanted.get(*name);
+    let Some(name) = wanted.keys().chain(found.keys()).find(differs) else { return Ok(()) };
+    let [was, is] = [&found, wanted].map(|one| one.get(name).map_or("unknown".to_owned(), Value::to_string));
+    bail!(
+        "{} was made with {name} = {was} and {is} is asked for; give a --label of its own, another --folder, or --fresh \
+         to make it anew",
+        job.file.display()
+    )
+}
+
+/// Judges what was made before, and writes it down.
+fn judge_anew(job: &Job) -> Result<Outcome> {
+    let mut outcome = read_outcome(&job.file)?;
+    let (exemplar, points) = (job.entry.exemplar(), job.file.with_extension("csv"));
+    let bytes = fs::read(&points).with_context(|| format!("{} can't be read", points.display()))?;
+    let output = formats::read(&bytes, Some("points.csv"), &ReadOptions::default())
+        .with_context(|| format!("{} is no pattern", points.display()))?;
+    outcome.judgement = Judgement::of(&exemplar, &output, job.seed)?;
+    write_down(job, &exemplar, &output, &outcome)?;
+    Ok(outcome)
 }
 
 /// Synthesises, judges, and writes both down.
 fn run(job: &Job, arguments: &Arguments, gpu: Option<&Arc<Gpu>>) -> Result<Outcome> {
     let exemplar = job.entry.exemplar();
     let (start, processor_start) = (Instant::now(), processor_seconds(arguments.jobs > 1));
-    let mut synthesis = Synthesis::new(exemplar.clone(), parameters(job, arguments)?, MEMORY_LIMIT)?;
+    let members = members(job, arguments)?;
+    let parameters: Parameters = serde_json::from_value(Value::Object(members.clone()))?;
+    let mut synthesis = Synthesis::new(exemplar.clone(), parameters, MEMORY_LIMIT)?;
     synthesis.use_gpu(gpu.cloned(), MEMORY_LIMIT);
     let (mut iterations, mut loss) = (0, f64::NAN);
     loop {
@@ -277,33 +351,29 @@ fn run(job: &Job, arguments: &Arguments, gpu: Option<&Arc<Gpu>>) -> Result<Outco
     let seconds = start.elapsed().as_secs_f64();
     let processor_seconds = processor_seconds(arguments.jobs > 1).zip(processor_start).map(|(end, start)| end - start);
     let output = synthesis.output()?;
-    let comparison = Comparison::of(&exemplar, &output, job.seed)?;
     let outcome = Outcome {
         entry: job.entry.name.to_owned(),
         preset: job.preset.name().to_owned(),
         seed: job.seed,
-        exemplar_points: exemplar.len(),
-        points: output.len(),
+        parameters: members,
         iterations,
         seconds,
         processor_seconds,
         loss,
-        quality: comparison.quality,
-        defects: comparison.defects,
-        relative_radius: [comparison.exemplar.relative_radius, comparison.output.relative_radius],
-        pair_correlation_error: comparison.pair_correlation_error,
-        chamfer: comparison.patches.as_ref().map(|patches| patches.chamfer),
-        wasserstein: comparison.patches.as_ref().and_then(|patches| patches.wasserstein),
-        classes: comparison.marks.as_ref().and_then(|marks| marks.classes),
-        marks: comparison.marks.as_ref().and_then(|marks| marks.marks),
+        judgement: Judgement::of(&exemplar, &output, job.seed)?,
     };
-    write_picture(draw_pair(job.entry, &exemplar, &output, &outcome.words())?, &job.file.with_extension("png"))?;
     let points = job.file.with_extension("csv");
     fs::write(&points, write_csv(&output)).with_context(|| format!("{} can't be written", points.display()))?;
-    // Last: a run without this file is done again.
-    fs::write(&job.file, serde_json::to_vec_pretty(&outcome)?)
-        .with_context(|| format!("{} can't be written", job.file.display()))?;
+    write_down(job, &exemplar, &output, &outcome)?;
     Ok(outcome)
+}
+
+/// Writes the picture and the outcome.
+fn write_down(job: &Job, exemplar: &PointPattern, output: &PointPattern, outcome: &Outcome) -> Result<()> {
+    write_picture(draw_pair(job.entry, exemplar, output, &outcome.words())?, &job.file.with_extension("png"))?;
+    // Last: a run without this file is done again.
+    fs::write(&job.file, serde_json::to_vec_pretty(outcome)?)
+        .with_context(|| format!("{} can't be written", job.file.display()))
 }
 
 /// Processor time so far, of this thread or of all of the program.
@@ -331,25 +401,34 @@ fn table(outcomes: &[Outcome]) -> String {
         by_entry.entry(&outcome.entry).or_default().push(outcome);
     }
     type Column = (&'static str, fn(&Outcome) -> f64);
-    let columns: [Column; 20] = [
-        ("quality", |o| o.quality.score),
-        ("pairs", |o| o.quality.pair_density),
-        ("precision", |o| o.quality.precision),
-        ("coverage", |o| o.quality.coverage),
-        ("independent", |o| o.quality.independent),
-        ("ρ exemplar", |o| o.relative_radius[0]),
-        ("ρ", |o| o.relative_radius[1]),
-        ("stacked %", |o| 100.0 * o.defects.stacked),
-        ("clumps", |o| o.defects.clumps),
-        ("holes", |o| o.defects.holes),
-        ("border", |o| o.defects.border.unwrap_or(f64::NAN)),
-        ("PCF error", |o| o.pair_correlation_error),
-        ("Chamfer", |o| o.chamfer.unwrap_or(f64::NAN)),
-        ("Wasserstein", |o| o.wasserstein.unwrap_or(f64::NAN)),
-        ("class PCFs", |o| o.classes.map_or(f64::NAN, |one| one.error)),
-        ("at random", |o| o.classes.map_or(f64::NAN, |one| one.random)),
-        ("marks", |o| o.marks.map_or(f64::NAN, |one| one.error)),
-        ("at random", |o| o.marks.map_or(f64::NAN, |one| one.random)),
+    // The first eleven are on the scale of the quality.
+    const SCORES: usize = 11;
+    let columns: [Column; 27] = [
+        ("quality", |o| o.judgement.quality.score),
+        ("pairs", |o| o.judgement.quality.pair_density),
+        ("precision", |o| o.judgement.quality.precision),
+        ("coverage", |o| o.judgement.quality.coverage),
+        ("PCF", |o| o.judgement.score("pair correlation")),
+        ("nearest", |o| o.judgement.score("nearest neighbours")),
+        ("spectrum", |o| o.judgement.score("periodogram")),
+        ("Ripley", |o| o.judgement.score("Ripley's L")),
+        ("radius", |o| o.judgement.score("ρ")),
+        ("Chamfer", |o| o.judgement.score("Chamfer")),
+        ("Wasserstein", |o| o.judgement.score("Wasserstein")),
+        ("independent", |o| o.judgement.quality.independent),
+        ("ρ exemplar", |o| o.judgement.relative_radius[0]),
+        ("ρ", |o| o.judgement.relative_radius[1]),
+        ("stacked %", |o| 100.0 * o.judgement.defects.stacked),
+        ("clumps", |o| o.judgement.defects.clumps),
+        ("holes", |o| o.judgement.defects.holes),
+        ("border", |o| o.judgement.defects.border.unwrap_or(f64::NAN)),
+        ("PCF error", |o| o.judgement.pair_correlation_error),
+        ("Chamfer distance", |o| o.judgement.chamfer.unwrap_or(f64::NAN)),
+        ("Wasserstein distance", |o| o.judgement.wasserstein.unwrap_or(f64::NAN)),
+        ("class PCFs", |o| o.judgement.classes.map_or(f64::NAN, |one| one.error)),
+        ("at random", |o| o.judgement.classes.map_or(f64::NAN, |one| one.random)),
+        ("marks", |o| o.judgement.marks.map_or(f64::NAN, |one| one.error)),
+        ("at random", |o| o.judgement.marks.map_or(f64::NAN, |one| one.random)),
         ("seconds", |o| o.seconds),
         ("processor s", |o| o.processor_seconds.unwrap_or(f64::NAN)),
     ];
@@ -379,7 +458,7 @@ fn table(outcomes: &[Outcome]) -> String {
     let worst = |pick: fn(f64, f64) -> f64, column: usize| means[column].iter().copied().fold(f64::NAN, pick);
     let _ = write!(table, "\n| **worst** | |");
     for (column, (name, _)) in columns.iter().enumerate() {
-        let low_is_bad = column < 4;
+        let low_is_bad = column < SCORES;
         let value = if name.starts_with('ρ') || ["independent", "at random"].contains(name) {
             f64::NAN
         } else {

@@ -93,7 +93,7 @@ struct GoldenSide {
 }
 
 #[test]
-fn values_agree_with_scipy_and_pointpats() {
+fn values_agree_with_scipy_astropy_and_pointpats() {
     let golden: Golden = serde_json::from_str(include_str!("analysis/golden.json")).unwrap();
     let places = |list: &[[f64; 2]]| list.iter().map(|&point| DVec2::from(point)).collect::<Vec<_>>();
     let (a, b, size) = (places(&golden.a), places(&golden.b), DVec2::from(golden.size));
@@ -139,6 +139,50 @@ fn values_agree_with_scipy_and_pointpats() {
     assert_close("both ways", &[wasserstein(&b, &a).unwrap(), chamfer(&b, &a).unwrap()], &pair, 1e-12);
     let rho = relative_radius(&cloud(a, size, Boundary::Open)).unwrap();
     assert_close("relative radius", &[rho], &[golden.relative_radius], 1e-10);
+}
+
+#[derive(serde::Deserialize)]
+struct Spatstat {
+    sigma: [f64; 1],
+    radius: Vec<f64>,
+    pair_correlation: Vec<f64>,
+    cross_correlation: Vec<f64>,
+    within_correlation: Vec<f64>,
+    k_open: Vec<f64>,
+    k_periodic: Vec<f64>,
+    l_open: Vec<f64>,
+}
+
+#[test]
+fn values_agree_with_spatstat() {
+    let golden: Golden = serde_json::from_str(include_str!("analysis/golden.json")).unwrap();
+    let theirs: Spatstat = serde_json::from_str(include_str!("analysis/spatstat.json")).unwrap();
+    let places: Vec<_> = golden.a.iter().map(|&point| DVec2::from(point)).collect();
+    let classes: Vec<u16> = (0..places.len()).map(|i| u16::from(i % 3 == 0)).collect();
+    let open = cloud(places.clone(), golden.size.into(), Boundary::Open).with_classes(classes).unwrap();
+    // It evaluates the kernel on a grid of distances, so a thousandth is agreement.
+    let settings = PairCorrelationSettings { sigma: theirs.sigma[0], range: 0.16, samples: 800 };
+    let at = |found: PairCorrelation| {
+        let curve = found.radius.iter().zip(&found.value);
+        let near = |r: f64| curve.clone().min_by(|a, b| (a.0 - r).abs().total_cmp(&(b.0 - r).abs())).unwrap();
+        theirs.radius.iter().map(|&r| *near(r).1).collect::<Vec<f64>>()
+    };
+    let all = at(pair_correlation(&open, &settings).unwrap());
+    assert_close("pair correlation", &all, &theirs.pair_correlation, 3e-3);
+    for ((a, b), wanted) in [((0, 1), &theirs.cross_correlation), ((1, 1), &theirs.within_correlation)] {
+        let found = at(cross_pair_correlation(&open, a, b, &settings).unwrap());
+        assert_close(&format!("pair correlation of {a} and {b}"), &found, wanted, 3e-3);
+        assert!(found.iter().zip(&all).any(|(own, all)| (own - all).abs() > 0.1), "another curve than that of all");
+    }
+    let settings = RipleySettings { range: 0.16, samples: 16 };
+    for (boundary, wanted) in [(Boundary::Open, &theirs.k_open), (Boundary::Periodic, &theirs.k_periodic)] {
+        let found = ripley(&cloud(places.clone(), golden.size.into(), boundary), &settings).unwrap();
+        assert_close(&format!("K, {}", boundary.name()), &found.k[7..], wanted, 1e-8);
+        if boundary == Boundary::Open {
+            let l: Vec<f64> = found.l_minus_r.iter().zip(&found.radius).map(|(l, r)| l + r).collect();
+            assert_close("L", &l[7..], &theirs.l_open, 1e-8);
+        }
+    }
 }
 
 #[test]
@@ -235,6 +279,103 @@ fn independent_points_have_the_k_and_the_pair_correlation_of_chance() {
 }
 
 #[test]
+fn classes_that_know_nothing_of_one_another_have_the_pair_correlation_of_chance() {
+    let kernel = PairCorrelationSettings { sigma: 0.01, range: 0.2, samples: 20 };
+    for boundary in [Boundary::Open, Boundary::Periodic] {
+        // Regular points, nowhere denser than elsewhere also as a window, and independent ones laid over them.
+        let rows: Vec<Vec<f64>> = (0..60)
+            .map(|seed| {
+                let mut rng = Rng::new(seed, Purpose::Gallery);
+                let mut places = poisson_disk(&mut rng, DVec2::ONE, 60, Boundary::Periodic);
+                places.extend(points(500 + seed, DVec2::ONE, 90));
+                let classes = (0..150).map(|i| u16::from(i >= 60)).collect();
+                let both = cloud(places, DVec2::ONE, boundary).with_classes(classes).unwrap();
+                let own = cross_pair_correlation(&both, 0, 0, &kernel).unwrap();
+                assert!(own.value[0] < 0.1, "points of the first keep away from one another");
+                cross_pair_correlation(&both, 0, 1, &kernel).unwrap().value
+            })
+            .collect();
+        for (i, (mean, error)) in mean_and_error(&rows).into_iter().enumerate() {
+            assert!((mean - 1.0).abs() < 4.0 * error, "{boundary:?} g[{i}] = {mean} ± {error}");
+        }
+        let (mean, error) = mean_and_error(&rows)[19];
+        assert!((2.0 * mean - 1.0).abs() > 4.0 * error, "pairs counted twice would be seen");
+    }
+}
+
+#[test]
+fn pair_correlations_are_taken_as_oeztireli_and_gross_say() {
+    for cloud in [hex(5), random(3, DVec2::new(2.0, 0.5), 80, Boundary::Open)] {
+        let settings = PairCorrelationSettings::suited_to(&cloud);
+        // The largest distance that as many points can keep in such an area: 2 / (√3 density) is its square.
+        let r_max = (2.0 / (3.0_f64.sqrt() * cloud.len() as f64 / (cloud.size().x * cloud.size().y))).sqrt();
+        assert_close("σ and range", &[settings.sigma, settings.range], &[0.25 * r_max, 2.5 * r_max], 1e-12);
+        assert_eq!(settings.samples, 100);
+    }
+}
+
+#[test]
+fn precision_and_coverage_are_told_apart() {
+    // A lattice, and the same lattice with a random half.
+    let lattice = square(10, Boundary::Periodic);
+    let mut places: Vec<DVec2> = lattice.points().iter().copied().filter(|point| point.x < 0.5).collect();
+    places.extend(points(8, DVec2::new(0.5, 1.0), 50).into_iter().map(|point| point + DVec2::new(0.5, 0.0)));
+    let mixed = cloud(places, DVec2::ONE, Boundary::Periodic);
+    let [lattice, mixed] = [lattice, mixed].map(|one| Neighbourhoods::of(&one, 0.1).unwrap());
+    // All that the lattice has is in the mixture, but not the other way round.
+    let part = Neighbourhoods::compare(&mixed, &lattice);
+    assert!(part.precision < 1e-9 && part.coverage > 0.15, "{part:?}");
+    let more = Neighbourhoods::compare(&lattice, &mixed);
+    assert_eq!((more.precision, more.coverage), (part.coverage, part.precision));
+}
+
+#[test]
+fn other_statistics_are_scored_on_the_scale_of_the_quality() {
+    for name in ["chevrons", "blue-noise", "houses", "phyllotaxis"] {
+        let exemplar = gallery::find(name).unwrap().exemplar();
+        let cloud = Cloud::of(&exemplar);
+        let size = 2.0 * cloud.size();
+        let on_domain = |cloud: &Cloud| {
+            pattern(cloud).with_classes(cloud.classes().to_vec(), exemplar.class_names().to_vec()).unwrap()
+        };
+        let tiled = tile(&cloud, size, cloud.boundary()).unwrap();
+        let found = scores(&exemplar, &on_domain(&tiled), 1).unwrap();
+        let names: Vec<&str> = found.iter().map(|score| score.statistic.as_str()).collect();
+        let all =
+            ["pair correlation", "nearest neighbours", "periodogram", "Ripley's L", "ρ", "Chamfer", "Wasserstein"];
+        assert_eq!(names, all, "{name}");
+        assert!(found.iter().all(|score| score.score == 1.0 && score.value == score.tiled), "{name}: {found:?}");
+        if exemplar.boundary() == Boundary::Periodic {
+            // A tile and its copies have the same statistics but for what depends on how many points there are: L by
+            // n(n − 1), quantiles by where they fall between points, and periodograms by the frequencies there are.
+            for score in &found {
+                let limit = if score.statistic == "periodogram" { 0.15 } else { 0.03 };
+                assert!(score.tiled < limit * score.chance, "{name}: {score:?}");
+            }
+        }
+        // Other starts are about 0, the better of the two kinds a little more, and a jittered tiling is between.
+        let white =
+            on_domain(&random(77, size, tiled.len(), cloud.boundary()).with_classes(tiled.classes().to_vec()).unwrap());
+        let white = scores(&exemplar, &white, 1).unwrap();
+        let jittered = jittered(&tiled, 0.1 * cloud.mean_spacing().unwrap(), 3).with_classes(tiled.classes().to_vec());
+        let jittered = scores(&exemplar, &on_domain(&jittered.unwrap()), 1).unwrap();
+        for (start, between) in white.iter().zip(&jittered) {
+            assert!(start.score > -0.6 && start.score < 1.0, "{name}: {start:?}");
+            assert!(between.score < 1.0 - 1e-3, "{name}: {between:?}");
+        }
+        let mean = |list: &[Score]| list.iter().map(|score| score.score).sum::<f64>() / list.len() as f64;
+        assert!(mean(&white) < mean(&jittered), "{name}: {white:?} {jittered:?}");
+        assert_eq!(scores(&exemplar, &on_domain(&tiled), 1).unwrap(), found, "the same seed, the same numbers");
+    }
+    let two =
+        PointPattern::new(Domain::new(DVec2::ZERO, DVec2::ONE).unwrap(), vec![DVec2::splat(0.2), DVec2::ONE]).unwrap();
+    let few = scores(&two, &two, 1).unwrap();
+    assert!(few.iter().all(|score| score.score.is_finite()), "{few:?}");
+    let one = PointPattern::new(Domain::new(DVec2::ZERO, DVec2::ONE).unwrap(), vec![DVec2::ONE]).unwrap();
+    assert!(scores(&one, &two, 1).is_err() && scores(&two, &one, 1).is_err());
+}
+
+#[test]
 fn envelopes_tell_order_and_clusters_from_chance() {
     let settings = RipleySettings { range: 0.15, samples: 30 };
     let p_value = |cloud: &Cloud| {
@@ -289,6 +430,14 @@ fn a_thomas_process_has_its_closed_form() {
     };
     assert_eq!(misses(s), 0);
     assert!(misses(1.3 * s) > 5, "clusters 30 % wider must not pass");
+    // L tells clusters from order by its sign: here r is the radius of the clusters, below it that of empty discs.
+    let l = |cloud: &Cloud| ripley(cloud, &RipleySettings { range: 0.08, samples: 4 }).unwrap();
+    let lattice = l(&hex(5));
+    assert_close("no neighbour", &lattice.l_minus_r, &[-0.02, -0.04, -0.06, -0.08], 1e-12);
+    let found = l(&Cloud::of(&gallery::find("cluster").unwrap().exemplar()));
+    for (value, (k, r)) in found.l_minus_r.iter().zip(found.k.iter().zip(&found.radius)) {
+        assert!((value - ((k / PI).sqrt() - r)).abs() < 1e-12 && *value > 0.02, "L({r}) - r = {value}");
+    }
 }
 
 #[test]

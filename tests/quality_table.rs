@@ -81,6 +81,27 @@ fn presets_are_judged_in_pieces() {
     let anew = ["--presets", "fast", "--only", "rings", "--seeds", "1", "--fresh"];
     assert_eq!(made(&quality(&folder.path(""), &anew).unwrap()), 1);
     assert!(read(1)["quality"]["score"].as_f64().unwrap() < 1.0);
+    // Judged anew, from the points alone, it is the same as before; nothing is run, and what was changed by hand is put right.
+    let (mut changed, before) = (read(1), read(1));
+    changed["quality"]["score"] = 7.0.into();
+    changed["scores"] = serde_json::json!([]);
+    fs::write(at("fast-rings-1.json"), changed.to_string()).unwrap();
+    let more = ["--presets", "fast", "--only", "rings,maze", "--seeds", "1", "--judge"];
+    assert_eq!(made(&quality(&folder.path(""), &more).unwrap()), 1, "rings; there is no maze to judge");
+    assert_eq!(read(1), before);
+    let scores = before["scores"].as_array().unwrap();
+    assert_eq!(scores.len(), 7, "{scores:?}");
+    for score in scores {
+        let of = |name: &str| score[name].as_f64().unwrap();
+        let expected = ((of("chance") - of("value")) / (of("chance") - of("tiled"))).max(-1.0);
+        assert!((of("score") - expected).abs() < 1e-9 && of("tiled") < of("chance"), "{score}");
+    }
+    // Other parameters are no part of this table.
+    let error =
+        quality(&folder.path(""), &["--presets", "fast", "--only", "rings", "--seeds", "1", "--set", "channels=6"]);
+    let error = error.unwrap_err();
+    assert!(error.contains("fast-rings-1.json was made with channels = 4 and 6 is asked for"), "{error}");
+    assert_eq!(read(1), before);
 }
 
 #[test]

@@ -6,20 +6,21 @@
 //!
 //! | module | what it measures | source |
 //! |---|---|---|
-//! | `nearest` | distances to the k-th nearest neighbour | |
+//! | `nearest` | distances to the k-th nearest neighbour | Clark & Evans 1954, Thompson 1956 |
 //! | `pair_correlation` | how many neighbours at which distance, also between classes | Öztireli & Gross 2012 |
 //! | `pair_density` | the same with directions | Ohser & Stoyan 1981 |
 //! | `marks` | whether classes and attributes go with places: mark correlation, and the same at random | Stoyan & Stoyan 1994 |
 //! | `spectrum` | periodogram, radial mean | Bartlett 1964, Ulichney 1988 |
 //! | `ripley` | K, L, envelopes of chance | Ripley 1976, Besag 1977 |
 //! | `spacing` | ρ, stacked points, clumps, holes, crowded borders | Lagae & Dutré 2008 |
-//! | `overlap` | areas that disks share, relative penetration | |
+//! | `overlap` | areas that disks share, relative penetration | our own |
 //! | `transport` | Chamfer, Wasserstein, the paper's patches | Huang et al. 2022 |
-//! | `neighbourhoods` | neighbourhoods found again: precision, coverage | |
-//! | `quality` | one number: 0 is chance, 1 the exemplar tiled | |
-//! | `verdict` | the same in words | |
+//! | `neighbourhoods` | neighbourhoods found again: precision, coverage | our own; the comparison after Ma, Wei & Tong 2011 |
+//! | `quality` | one number: 0 is chance, 1 the exemplar tiled | our own |
+//! | `scores` | the other distances on that scale (native only) | our own |
+//! | `verdict` | the quality in words | |
 //! | `live` | what of all this follows a run | |
-//! | `report` | the same as an SVG (native only) | |
+//! | `report` | everything as an SVG (native only) | |
 
 mod cloud;
 mod error;
@@ -35,6 +36,8 @@ mod quality;
 #[cfg(not(target_arch = "wasm32"))]
 mod report;
 mod ripley;
+#[cfg(not(target_arch = "wasm32"))]
+mod scores;
 mod spacing;
 mod spectrum;
 mod transport;
@@ -60,6 +63,8 @@ pub use quality::{Distances, Quality, QualityScale, normalised_quality, tile};
 #[cfg(not(target_arch = "wasm32"))]
 pub use report::{ReportError, write_comparison_report, write_report};
 pub use ripley::{Envelope, Ripley, RipleySettings, envelope, ripley};
+#[cfg(not(target_arch = "wasm32"))]
+pub use scores::{Score, scores};
 pub use spacing::{
     BorderCrowd, CLUMP_SIZES, EmptyCircle, border_crowd, clumps, largest_empty_circle, relative_radius,
     relative_radius_in, stacked, stacking_distance, tightest_clumps,

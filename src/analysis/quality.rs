@@ -13,7 +13,7 @@ use crate::pattern::PointPattern;
 use crate::sampling::{Purpose, Rng, poisson_disk, white_noise};
 
 /// How many starts of each kind the zero is averaged over.
-const STARTS: u64 = 3;
+pub(super) const STARTS: u64 = 3;
 /// Nothing scores below: an output as much worse than chance as chance is worse than the tiling, or more.
 const LOWEST: f64 = -1.0;
 /// Seeds of starts are this far from the caller's, so that judging a start by its own seed does not meet the same
@@ -121,20 +121,9 @@ impl QualityScale {
     ) -> Result<Self, AnalysisError> {
         let reference = Reference::of(exemplar)?;
         let mut kinds = [Vec::new(), Vec::new()];
-        for start in 0..STARTS {
+        for number in 0..STARTS {
             for (kind, list) in kinds.iter_mut().enumerate() {
-                let (mut points, mut classes) = (Vec::new(), Vec::new());
-                for (class, &count) in class_sizes.iter().enumerate() {
-                    let stream = START_STREAM + (class as u32) * 4 + kind as u32;
-                    let mut rng = Rng::new(seed.wrapping_add(start), Purpose::Analysis(stream));
-                    points.extend(match kind {
-                        0 => white_noise(&mut rng, size, count),
-                        _ => poisson_disk(&mut rng, size, count, boundary),
-                    });
-                    classes.resize(points.len(), class as u16);
-                }
-                let cloud = Cloud::new(points, size, boundary)?.with_classes(classes)?;
-                list.push(reference.distances(&cloud)?);
+                list.push(reference.distances(&start_of((kind, number), size, boundary, class_sizes, seed)?)?);
             }
         }
         let [white, blue] = kinds.map(|list| mean(&list));
@@ -155,14 +144,6 @@ impl QualityScale {
     /// With fewer than two points.
     pub fn judge(&self, output: &Cloud) -> Result<Quality, AnalysisError> {
         let distances = self.reference.distances(output)?;
-        let score = |value: f64, chance: f64, tiled: f64| {
-            if chance - tiled > 1e-9 {
-                ((chance - value) / (chance - tiled)).max(LOWEST)
-            } else {
-                // The exemplar is itself no different from chance: whatever is as good gets everything.
-                f64::from(u8::from(value <= tiled + 1e-9))
-            }
-        };
         let (own, chance, tiled) = (distances.neighbourhoods, self.chance.neighbourhoods, self.tiled.neighbourhoods);
         let pair_density = score(distances.pair_density, self.chance.pair_density, self.tiled.pair_density);
         let precision = score(own.precision, chance.precision, tiled.precision);
@@ -171,6 +152,37 @@ impl QualityScale {
         let mean = (pair_density + precision + coverage) / 3.0;
         Ok(Quality { score: mean, pair_density, precision, coverage, independent, distances })
     }
+}
+
+/// A distance on the scale of the quality: 0 is as `chance`, 1 as `tiled`, and no less than −1.
+pub(super) fn score(value: f64, chance: f64, tiled: f64) -> f64 {
+    if chance - tiled > 1e-9 {
+        ((chance - value) / (chance - tiled)).max(LOWEST)
+    } else {
+        // The exemplar is itself no different from chance: whatever is as good gets everything.
+        f64::from(u8::from(value <= tiled + 1e-9))
+    }
+}
+
+/// The start of this number, a white noise (`kind` 0) or a Poisson-disk start, with `class_sizes[c]` points of class c.
+pub(super) fn start_of(
+    (kind, number): (usize, u64),
+    size: DVec2,
+    boundary: Boundary,
+    class_sizes: &[usize],
+    seed: u64,
+) -> Result<Cloud, AnalysisError> {
+    let (mut points, mut classes) = (Vec::new(), Vec::new());
+    for (class, &count) in class_sizes.iter().enumerate() {
+        let stream = START_STREAM + (class as u32) * 4 + kind as u32;
+        let mut rng = Rng::new(seed.wrapping_add(number), Purpose::Analysis(stream));
+        points.extend(match kind {
+            0 => white_noise(&mut rng, size, count),
+            _ => poisson_disk(&mut rng, size, count, boundary),
+        });
+        classes.resize(points.len(), class as u16);
+    }
+    Cloud::new(points, size, boundary)?.with_classes(classes)
 }
 
 /// The normalised quality of an output, both patterns in the same unit of length: the mean over the density of pair

@@ -624,8 +624,8 @@ impl Parameters {
 
     /// What of the Paper preset depends on the exemplar, beyond its boundary. The network, the steps and the grids don't.
     fn suit_paper(&mut self, exemplar: &PointPattern) {
-        let is_lattice = Self::is_lattice(exemplar);
-        if is_lattice {
+        let index = exemplar.aggregation_index().unwrap_or(0.0);
+        if index >= LATTICE_INDEX {
             self.sigma_coarse_divisor = LATTICE_COARSE_DIVISOR;
             self.sigma_fine_divisor = LATTICE_FINE_DIVISOR;
             self.correlation_weight = LATTICE_CORRELATION_WEIGHT;
@@ -634,7 +634,7 @@ impl Parameters {
             // Rings that the network found as a whole come apart where neighbourhoods are cut off.
             self.alignment = 0;
         }
-        if exemplar.aggregation_index().is_some_and(|index| index >= SPACED_INDEX) {
+        if index >= SPACED_INDEX {
             // Blurred maps hardly see a few pairs that are a little closer than any of the exemplar, and ρ sees nothing
             // else.
             self.spacing_floor = 1.0;

@@ -1,6 +1,7 @@
-"""Golden values of src/analysis, made by other people's code: scipy and pointpats, and plain sums over all pairs.
+"""Golden values of src/analysis: other people's code (scipy; checked against astropy and pointpats) where there is some, and plain
+sums over all pairs. check_against_spatstat.R has what these lack.
 
-    python -m venv venv && venv/bin/pip install numpy scipy pointpats
+    python -m venv venv && venv/bin/pip install numpy==2.4.6 scipy==1.17.1 pointpats==2.5.5 astropy==8.0.2
     venv/bin/python tests/analysis/check_against_scipy.py
 
 writes golden.json beside itself; tests/analysis.rs compares. Rewrite it only when a definition changes.
@@ -10,6 +11,8 @@ import json
 import pathlib
 
 import numpy as np
+import pointpats
+from astropy.stats import RipleysKEstimator
 from scipy import integrate, optimize, spatial
 from scipy.spatial import cKDTree
 
@@ -144,20 +147,18 @@ golden["wasserstein"] = float(transport(A, B))
 golden["chamfer"] = float(chamfer(A, B))
 golden["relative_radius"] = float(spatial.distance.pdist(A).min() / 2 / np.sqrt(SIZE.prod() / (2 * np.sqrt(3) * len(A))))
 
-try:
-    import pointpats
-
-    own = np.asarray(pointpats.PointPattern(A).nnd).ravel()
-    assert np.allclose(own, nearest(A, 1, False).ravel()), "pointpats and scipy disagree on nearest neighbours"
-    # Its K is not corrected for the border and takes the bounding box for the window: the plain sums over pairs, from
-    # which the golden K is made by weighting, must agree with it.
-    support, theirs = pointpats.k(A, support=np.linspace(0.02, 0.16, 8))
-    lengths = np.hypot(*pairs(A, False, 0.2).T)
-    plain = [np.ptp(A, axis=0).prod() / len(A) ** 2 * (lengths < r).sum() for r in support]
-    assert np.allclose(theirs, plain), (theirs, plain)
-    print("pointpats agrees:", np.c_[support, theirs, plain].round(5).tolist()[-1])
-except ImportError:
-    print("pointpats is not installed: only scipy and numpy were asked")
+own = np.asarray(pointpats.PointPattern(A).nnd).ravel()
+assert np.allclose(own, nearest(A, 1, False).ravel()), "pointpats and scipy disagree on nearest neighbours"
+# Its K is not corrected for the border and takes the bounding box for the window: the plain sums over pairs, from
+# which the golden K is made by weighting, must agree with it.
+support, theirs = pointpats.k(A, support=np.linspace(0.02, 0.16, 8))
+lengths = np.hypot(*pairs(A, False, 0.2).T)
+plain = [np.ptp(A, axis=0).prod() / len(A) ** 2 * (lengths < r).sum() for r in support]
+assert np.allclose(theirs, plain), (theirs, plain)
+print("pointpats agrees:", np.c_[support, theirs, plain].round(5).tolist()[-1])
+theirs = RipleysKEstimator(SIZE.prod(), x_max=SIZE[0], y_max=SIZE[1], x_min=0, y_min=0)(A, k_radii, mode="translation")
+assert np.allclose(theirs, golden["sides"][0]["k"]), (theirs, golden["sides"][0]["k"])
+print("astropy agrees:", theirs[-1])
 
 
 def rounded(value):
