@@ -40,7 +40,7 @@ pub(crate) struct AnalyzeArguments {
     /// The output: a file, - or gallery:NAME
     #[arg(value_name = "B")]
     output: Option<PathBuf>,
-    /// Every number and curve as one JSON object instead of a table
+    /// Every number and curve (not the two maps of the report) as one JSON object instead of a table
     #[arg(long)]
     json: bool,
     /// Draw a report with all curves
