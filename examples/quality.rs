@@ -203,6 +203,9 @@ fn main() -> Result<()> {
             admit(job, &members(job, &arguments)?)?;
         }
     }
+    if arguments.judge && !jobs.iter().any(|job| job.file.is_file()) {
+        bail!("there is nothing to judge in {}", folder.display());
+    }
     let wanted = |job: &&Job| !arguments.judge && (arguments.fresh || !job.file.is_file());
     let left = Mutex::new(jobs.iter().filter(wanted).collect::<Vec<_>>());
     let failures = Mutex::new(Vec::new());

@@ -111,6 +111,8 @@ fn what_is_not_there_is_named() {
     assert!(error.contains("the gallery has no \"rigns\"; it has ") && error.contains("rings"), "{error}");
     let error = quality(&folder.path(""), &["--only", "rings", "--set", "chanels=4"]).unwrap_err();
     assert!(error.contains("there is no parameter \"chanels\""), "{error}");
+    let error = quality(&folder.path(""), &["--only", "rings", "--judge"]).unwrap_err();
+    assert!(error.contains("there is nothing to judge in ") && error.contains("small"), "{error}");
     let error = quality(&folder.path(""), &["--presets", "quick"]).unwrap_err();
     assert!(error.contains("quick") && error.contains("fast, balanced, best, paper"), "{error}");
 }
