@@ -2,12 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::live::Curves;
 use super::nearest::{NEIGHBOURS, nearest_distances, quantile};
-use super::pair_correlation::{PairCorrelation, pair_correlation};
 use super::quality::{STARTS, score, start_of, tile};
 use super::ripley::{Ripley, ripley};
-use super::spacing::relative_radius;
-use super::spectrum::{RadialSpectrum, periodogram};
+use super::spectrum::RadialSpectrum;
 use super::transport::compare_patches;
 use super::{AnalysisError, Cloud, Scales, common_classes, exemplar_unit};
 use crate::pattern::PointPattern;
@@ -38,11 +37,9 @@ const STATISTICS: [&str; 7] =
 struct Reference<'a> {
     exemplar: &'a Cloud,
     scales: Scales,
-    correlation: PairCorrelation,
+    curves: Curves,
     nearest: Vec<Vec<f64>>,
-    spectrum: RadialSpectrum,
     ripley: Ripley,
-    relative_radius: f64,
 }
 
 impl<'a> Reference<'a> {
@@ -51,39 +48,30 @@ impl<'a> Reference<'a> {
         Ok(Self {
             exemplar,
             scales,
-            correlation: pair_correlation(exemplar, &scales.pair_correlation)?,
+            curves: Curves::of(exemplar, &scales)?,
             nearest: sorted_distances(exemplar)?,
-            spectrum: spectrum(exemplar, &scales)?,
             ripley: ripley(exemplar, &scales.ripley)?,
-            relative_radius: relative_radius(exemplar)?,
         })
     }
 
     /// The distances of an output in the exemplar's unit, in the order of [`STATISTICS`].
     fn distances(&self, output: &Cloud) -> Result<[Option<f64>; 7], AnalysisError> {
-        let scales = &self.scales;
-        let correlation = pair_correlation(output, &scales.pair_correlation)?;
+        let (scales, wanted) = (&self.scales, &self.curves);
+        let curves = Curves::of(output, scales)?;
         let nearest: Vec<f64> = sorted_distances(output)?
             .iter()
             .zip(&self.nearest)
             .map(|(own, wanted)| distance_of_distributions(own, wanted) / scales.spacing)
             .collect();
-        let spectrum = spectrum(output, scales)?;
-        let power = mean(
-            self.spectrum
-                .frequency
-                .iter()
-                .zip(&self.spectrum.power)
-                .map(|(&at, power)| at_frequency(&spectrum, at) - power),
-        );
+        let spectrum = wanted.spectrum.frequency.iter().zip(&wanted.spectrum.power);
         let l = ripley(output, &scales.ripley)?.l_minus_r;
         let patches = compare_patches(self.exemplar, output).ok();
         Ok([
-            correlation.mean_squared_difference(&self.correlation),
+            curves.pair_correlation.mean_squared_difference(&wanted.pair_correlation),
             Some(mean(nearest)),
-            Some(power),
+            Some(mean(spectrum.map(|(&at, power)| at_frequency(&curves.spectrum, at) - power))),
             Some(mean(l.iter().zip(&self.ripley.l_minus_r).map(|(own, wanted)| own - wanted)) / scales.spacing),
-            Some((relative_radius(output)? - self.relative_radius).abs()),
+            Some((curves.relative_radius - wanted.relative_radius).abs()),
             patches.as_ref().map(|patches| patches.chamfer),
             patches.and_then(|patches| patches.wasserstein),
         ])
@@ -96,7 +84,7 @@ impl<'a> Reference<'a> {
 ///
 /// | statistic | distance |
 /// |---|---|
-/// | pair correlation | mean squared difference of g, see [`pair_correlation`] |
+/// | pair correlation | mean squared difference of g, see [`pair_correlation`](super::pair_correlation()) |
 /// | nearest neighbours | distance of the distributions of the 1st … 6th nearest distances (Wasserstein's of order 1), mean over the six, in mean spacings |
 /// | periodogram | mean absolute difference of the radial means |
 /// | Ripley's L | mean absolute difference of L, in mean spacings |
@@ -148,10 +136,6 @@ fn sorted_distances(cloud: &Cloud) -> Result<Vec<Vec<f64>>, AnalysisError> {
 fn distance_of_distributions(a: &[f64], b: &[f64]) -> f64 {
     let shares = (0..QUANTILES).map(|i| (i as f64 + 0.5) / QUANTILES as f64);
     mean(shares.map(|share| quantile(a, share) - quantile(b, share)))
-}
-
-fn spectrum(cloud: &Cloud, scales: &Scales) -> Result<RadialSpectrum, AnalysisError> {
-    periodogram(cloud, scales.max_frequency)?.radial_mean(scales.ring_width)
 }
 
 /// A radial mean between its frequencies, which differ with the domain.
