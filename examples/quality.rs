@@ -179,6 +179,12 @@ struct Job {
     file: PathBuf,
 }
 
+impl Job {
+    fn name(&self) -> String {
+        format!("{} {} {}", self.preset.name(), self.entry.name, self.seed)
+    }
+}
+
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
     let entries = chosen(&arguments.only)?;
@@ -195,19 +201,24 @@ fn main() -> Result<()> {
             }
         }
     }
-    for job in jobs.iter().filter(|job| job.file.is_file()) {
-        if arguments.judge {
-            println!("{} {} {}: {}", job.preset.name(), job.entry.name, job.seed, judge_anew(job)?.words());
-        } else if !arguments.fresh {
-            // Before anything is run: one table shall not hold two sets of parameters.
-            admit(job, &members(job, &arguments)?)?;
+    let (made, missing): (Vec<&Job>, Vec<&Job>) = jobs.iter().partition(|job| job.file.is_file());
+    let left = if arguments.judge {
+        if made.is_empty() {
+            bail!("there is nothing to judge in {}", folder.display());
         }
-    }
-    if arguments.judge && !jobs.iter().any(|job| job.file.is_file()) {
-        bail!("there is nothing to judge in {}", folder.display());
-    }
-    let wanted = |job: &&Job| !arguments.judge && (arguments.fresh || !job.file.is_file());
-    let left = Mutex::new(jobs.iter().filter(wanted).collect::<Vec<_>>());
+        for job in made {
+            println!("{}: {}", job.name(), judge_anew(job)?.words());
+        }
+        Vec::new()
+    } else if arguments.fresh {
+        jobs.iter().collect()
+    } else {
+        // Before anything is run: one table shall not hold two sets of parameters.
+        made.into_iter().try_for_each(|job| admit(job, &parameters(job, &arguments)?))?;
+        missing
+    };
+    let workers = if left.is_empty() { 0 } else { arguments.jobs };
+    let left = Mutex::new(left);
     let failures = Mutex::new(Vec::new());
     let work = || {
         // A device for each job: waiting for one waits for everything on it.
@@ -219,7 +230,7 @@ fn main() -> Result<()> {
             // In the order of the table.
             let next = left.lock().ok().and_then(|mut left| if left.is_empty() { None } else { Some(left.remove(0)) });
             let Some(job) = next else { break };
-            let name = format!("{} {} {}", job.preset.name(), job.entry.name, job.seed);
+            let name = job.name();
             match run(job, &arguments, gpu.as_ref()) {
                 Ok(outcome) => println!("{name}: {}", outcome.words()),
                 Err(error) => {
@@ -230,20 +241,22 @@ fn main() -> Result<()> {
         }
         anyhow::Ok(())
     };
-    if arguments.jobs == 1 {
+    match workers {
+        0 => {}
         // On a thread of the pool, as `pointweave synth`.
-        rayon::scope(|_| work())?;
-    } else {
-        let pools = (0..arguments.jobs)
-            .map(|_| rayon::ThreadPoolBuilder::new().num_threads(1).build())
-            .collect::<Result<Vec<_>, _>>()?;
-        std::thread::scope(|scope| {
-            let workers: Vec<_> = pools.iter().map(|pool| scope.spawn(|| pool.install(work))).collect();
-            workers
-                .into_iter()
-                .map(|worker| worker.join().unwrap_or_else(|_| bail!("a run panicked")))
-                .collect::<Result<Vec<()>>>()
-        })?;
+        1 => rayon::scope(|_| work())?,
+        _ => {
+            let pools = (0..workers)
+                .map(|_| rayon::ThreadPoolBuilder::new().num_threads(1).build())
+                .collect::<Result<Vec<_>, _>>()?;
+            std::thread::scope(|scope| {
+                let workers: Vec<_> = pools.iter().map(|pool| scope.spawn(|| pool.install(work))).collect();
+                workers
+                    .into_iter()
+                    .map(|worker| worker.join().unwrap_or_else(|_| bail!("a run panicked")))
+                    .collect::<Result<Vec<()>>>()
+            })?;
+        }
     }
     for &preset in &arguments.presets {
         let (mut outcomes, mut cells) = (Vec::new(), Vec::new());
@@ -283,12 +296,16 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Entry>> {
         .collect()
 }
 
-/// The preset's parameters as they suit the exemplar, with those of the command line, by name.
-fn members(job: &Job, arguments: &Arguments) -> Result<Map<String, Value>> {
+fn by_name(parameters: &Parameters) -> Result<Map<String, Value>> {
+    Ok(serde_json::from_value(serde_json::to_value(parameters)?)?)
+}
+
+/// The preset's parameters as they suit the exemplar, with those of the command line.
+fn parameters(job: &Job, arguments: &Arguments) -> Result<Parameters> {
     let mut parameters = Parameters::suited_to(job.preset, &job.entry.exemplar());
     parameters.seed = job.seed;
     parameters.boundary = arguments.boundary.unwrap_or(parameters.boundary);
-    let mut members: Map<String, Value> = serde_json::from_value(serde_json::to_value(parameters)?)?;
+    let mut members = by_name(&parameters)?;
     for setting in &arguments.settings {
         let (name, value) = setting.split_once('=').with_context(|| format!("{setting:?} is not NAME=VALUE"))?;
         if !members.contains_key(name) {
@@ -297,19 +314,17 @@ fn members(job: &Job, arguments: &Arguments) -> Result<Map<String, Value>> {
         let value = value.parse().unwrap_or_else(|_| Value::String(value.to_owned()));
         members.insert(name.to_owned(), value);
     }
-    // As they are when read: `4` and `4.0` are one number then.
-    let parameters: Parameters = serde_json::from_value(Value::Object(members))?;
-    Ok(serde_json::from_value(serde_json::to_value(parameters)?)?)
+    Ok(serde_json::from_value(Value::Object(members))?)
 }
 
 /// Refuses a result that was made with other parameters.
-fn admit(job: &Job, wanted: &Map<String, Value>) -> Result<()> {
+fn admit(job: &Job, wanted: &Parameters) -> Result<()> {
     let found = read_outcome(&job.file)?.parameters;
-    // Through text as well: its last digit may be another one.
-    let wanted: &Map<String, Value> = &serde_json::from_str(&serde_json::to_string(wanted)?)?;
+    // Through text as well: a number's last digit may be another one then.
+    let wanted: Map<String, Value> = serde_json::from_str(&serde_json::to_string(wanted)?)?;
     let differs = |name: &&String| found.get(*name) != wanted.get(*name);
     let Some(name) = wanted.keys().chain(found.keys()).find(differs) else { return Ok(()) };
-    let [was, is] = [&found, wanted].map(|one| one.get(name).map_or("unknown".to_owned(), Value::to_string));
+    let [was, is] = [&found, &wanted].map(|one| one.get(name).map_or("unknown".to_owned(), Value::to_string));
     bail!(
         "{} was made with {name} = {was} and {is} is asked for; give a --label of its own, another --folder, or --fresh \
          to make it anew",
@@ -333,9 +348,8 @@ fn judge_anew(job: &Job) -> Result<Outcome> {
 fn run(job: &Job, arguments: &Arguments, gpu: Option<&Arc<Gpu>>) -> Result<Outcome> {
     let exemplar = job.entry.exemplar();
     let (start, processor_start) = (Instant::now(), processor_seconds(arguments.jobs > 1));
-    let members = members(job, arguments)?;
-    let parameters: Parameters = serde_json::from_value(Value::Object(members.clone()))?;
-    let mut synthesis = Synthesis::new(exemplar.clone(), parameters, MEMORY_LIMIT)?;
+    let parameters = parameters(job, arguments)?;
+    let mut synthesis = Synthesis::new(exemplar.clone(), parameters.clone(), MEMORY_LIMIT)?;
     synthesis.use_gpu(gpu.cloned(), MEMORY_LIMIT);
     let (mut iterations, mut loss) = (0, f64::NAN);
     loop {
@@ -358,7 +372,7 @@ fn run(job: &Job, arguments: &Arguments, gpu: Option<&Arc<Gpu>>) -> Result<Outco
         entry: job.entry.name.to_owned(),
         preset: job.preset.name().to_owned(),
         seed: job.seed,
-        parameters: members,
+        parameters: by_name(&parameters)?,
         iterations,
         seconds,
         processor_seconds,
