@@ -14,8 +14,8 @@ use glam::DVec2;
 use pointweave::analysis::{Cloud, OverlapStatistics, PairCorrelationSettings};
 use pointweave::formats::encode_png;
 use pointweave::gallery;
-use pointweave::method::{Parameters, Preset};
-use pointweave::synthesis::{Event, Synthesis};
+use pointweave::methods::network::{NetworkRun, Parameters, Preset};
+use pointweave::run::Event;
 use pointweave::{Boundary, PointPattern};
 use tiny_skia::{Color, FillRule, Mask, Paint, PathBuilder, Pixmap, Rect, Stroke, Transform};
 
@@ -114,7 +114,7 @@ fn main() -> Result<()> {
 
 fn run(exemplar: &PointPattern, parameters: Parameters) -> Result<PointPattern> {
     let start = Instant::now();
-    let mut synthesis = Synthesis::new(exemplar.clone(), parameters, MEMORY_LIMIT)?;
+    let mut synthesis = NetworkRun::new(exemplar.clone(), parameters, MEMORY_LIMIT)?;
     let mut repairs = 0.0;
     loop {
         let before = Instant::now();

@@ -20,8 +20,8 @@ use pointweave::engine::gpu::{self, Gpu};
 use pointweave::formats::style::Look;
 use pointweave::formats::{self, ReadOptions, draw, encode_png, write_csv};
 use pointweave::gallery::{self, Entry};
-use pointweave::method::{Parameters, Preset};
-use pointweave::synthesis::{Event, Synthesis};
+use pointweave::methods::network::{NetworkRun, Parameters, Preset};
+use pointweave::run::Event;
 use pointweave::{Boundary, PointPattern};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -349,13 +349,13 @@ fn run(job: &Job, arguments: &Arguments, gpu: Option<&Arc<Gpu>>) -> Result<Outco
     let exemplar = job.entry.exemplar();
     let (start, processor_start) = (Instant::now(), processor_seconds(arguments.jobs > 1));
     let parameters = parameters(job, arguments)?;
-    let mut synthesis = Synthesis::new(exemplar.clone(), parameters.clone(), MEMORY_LIMIT)?;
+    let mut synthesis = NetworkRun::new(exemplar.clone(), parameters.clone(), MEMORY_LIMIT)?;
     synthesis.use_gpu(gpu.cloned(), MEMORY_LIMIT);
     let (mut iterations, mut loss) = (0, f64::NAN);
     loop {
         match synthesis.advance()? {
             Event::Finished => break,
-            Event::Iterated { progress, loss: terms } => {
+            Event::Iterated { progress, losses: terms } => {
                 iterations = progress.total_iterations;
                 loss = terms.total();
             }

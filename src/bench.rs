@@ -11,24 +11,24 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::Boundary;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::engine::FilterBank;
+use crate::engine::LossTerms;
 use crate::engine::cpu::CpuEngine;
 use crate::engine::cpu::adam::Adam;
 use crate::engine::gpu::GpuError;
 use crate::engine::view::Stage;
+use crate::engine::view::direct_operations;
 use crate::engine::{Advance, ScaleSetup};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::engine::{
     cpu::{convolution::Geometry, lanes::padded},
     gpu::{Gpu, GpuEngine, timing::Direct},
 };
-#[cfg(not(target_arch = "wasm32"))]
-use crate::method::FilterBank;
-use crate::method::cost::direct_operations;
-use crate::method::schedule::Scale;
-use crate::method::{Parameters, Preset};
+use crate::methods::network::schedule::Scale;
+use crate::methods::network::{Parameters, Preset};
 use crate::parallel;
 use crate::sampling::{Purpose, Rng, poisson_disk};
-use crate::synthesis::LossTerms;
 
 /// Size of the work. The defaults are the paper's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -145,9 +145,7 @@ fn prepare(workload: &Workload) -> Result<(ScaleSetup, Vec<DVec2>), WorkloadErro
         iterations: iterations as u32 + 1,
     };
     let setup = ScaleSetup::new(
-        &parameters,
-        &scale,
-        (0, 0),
+        &parameters.scale_settings(&scale, (0, 0)),
         start(1, DVec2::ONE, exemplar_points),
         DVec2::ONE,
         Boundary::Open,

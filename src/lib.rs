@@ -7,33 +7,35 @@
 //! both sides, from a coarse scale to a fine one.
 //!
 //! The way through, in one direction:
-//! `bytes → formats → PointPattern → synthesis → engine → PointPattern → formats → picture or file`.
+//! `bytes → formats → exemplar → Run (method, plan, seed): edits in, events out → Canvas → analysis, formats → picture or file`.
+//!
+//! The rooms from bottom to top; none imports one above it (`tests/house.rs`):
 //!
 //! | module | what lives there |
 //! |---|---|
-//! | [`pattern`], [`domain`] | the point pattern and its rectangle; neither can hold an invalid value |
-//! | [`formats`] | bytes ⇄ pattern, one file a format |
-//! | [`gallery`] | built-in exemplars, each a seeded generator |
+//! | [`pattern`] | the point pattern, its rectangle, fields over it; none can hold an invalid value |
 //! | [`sampling`] | the random generator, Poisson-disk and white-noise starts |
+//! | [`gallery`] | built-in exemplars, each a seeded generator |
 //! | [`analysis`] | statistics of patterns, and how well one reproduces another |
-//! | [`method`] | the paper as data both engines share: parameters, presets, scale ladder, filter bank |
-//! | [`engine`] | points → statistics → gradient → points |
-//! | [`synthesis`] | the run as a state machine: classes × scales × iterations |
-//! | [`web`] | what the worker of the page calls |
+//! | [`finish`] | what puts results right, whatever made them |
+//! | [`engine`] | arithmetic of networks on grids: points → statistics → gradient → points |
+//! | [`run`] | what all methods share: plan, canvas, edits, events, parameters in words |
+//! | [`methods`] | the methods, one room each, and the one list of them |
+//! | [`formats`] | bytes ⇄ patterns, pictures, links, projects; one file a format |
+//! | [`web`] | what the workers of the page call |
 
 pub mod analysis;
 pub mod bench;
-pub mod domain;
 pub mod engine;
+pub mod finish;
 pub mod formats;
 pub mod gallery;
-pub mod method;
+pub mod methods;
 mod parallel;
 pub mod pattern;
+pub mod run;
 pub mod sampling;
 mod sorting;
-pub mod synthesis;
 pub mod web;
 
-pub use domain::{Boundary, Domain};
-pub use pattern::{Attribute, PatternError, PointPattern};
+pub use pattern::{Attribute, Boundary, Domain, Field, PatternError, PointPattern};

@@ -5,8 +5,8 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pointweave::method::{Parameters, Preset};
-use pointweave::synthesis::{Event, Synthesis};
+use pointweave::methods::network::{NetworkRun, Parameters, Preset};
+use pointweave::run::Event;
 use pointweave::{Boundary, gallery};
 
 /// Allocations of at least this many bytes are buffers; the thread pool's own bookkeeping is smaller.
@@ -47,13 +47,13 @@ fn an_iteration_allocates_no_buffer() {
             scales: 1,
             ..Parameters::preset(Preset::Fast)
         };
-        let mut run = Synthesis::new(gallery::find("rings").unwrap().exemplar(), parameters, 4_000_000_000).unwrap();
+        let mut run = NetworkRun::new(gallery::find("rings").unwrap().exemplar(), parameters, 4_000_000_000).unwrap();
         run.run(2).unwrap();
         let before = BUFFERS.load(Ordering::Relaxed);
         run.run(5).unwrap();
         assert_eq!(BUFFERS.load(Ordering::Relaxed), before, "{boundary:?}");
         // Negative control: beginning a scale does allocate.
-        let mut other = Synthesis::resume(run.state(), 4_000_000_000).unwrap();
+        let mut other = NetworkRun::resume(run.state(), 4_000_000_000).unwrap();
         assert!(matches!(other.advance().unwrap(), Event::ScaleStarted { .. }));
         assert!(BUFFERS.load(Ordering::Relaxed) > before);
     }

@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
 
 use glam::DVec2;
-use pointweave::method::parameters::{ClassMaps, ClassOrder};
-use pointweave::method::{Parameters, Preset};
+use pointweave::methods::network::parameters::{ClassMaps, ClassOrder};
+use pointweave::methods::network::{NetworkRun, NetworkState, Parameters, Preset};
+use pointweave::run::Event;
 use pointweave::sampling::{Purpose, Rng, white_noise};
-use pointweave::synthesis::{Event, Synthesis, SynthesisState};
 use pointweave::{Attribute, Boundary, Domain, PointPattern};
 
 const GENEROUS: u64 = 4_000_000_000;
@@ -52,12 +52,12 @@ fn small(class_order: ClassOrder, class_maps: ClassMaps) -> Parameters {
     }
 }
 
-fn start(parameters: Parameters) -> Synthesis {
-    Synthesis::new(thicket(), parameters, GENEROUS).unwrap()
+fn start(parameters: Parameters) -> NetworkRun {
+    NetworkRun::new(thicket(), parameters, GENEROUS).unwrap()
 }
 
 /// Turn and class of those that began, and all losses.
-fn finish(run: &mut Synthesis) -> (Vec<(usize, usize)>, Vec<f64>) {
+fn finish(run: &mut NetworkRun) -> (Vec<(usize, usize)>, Vec<f64>) {
     let (mut classes, mut losses) = (Vec::new(), Vec::new());
     loop {
         match run.advance().unwrap() {
@@ -65,7 +65,7 @@ fn finish(run: &mut Synthesis) -> (Vec<(usize, usize)>, Vec<f64>) {
             Event::ScaleStarted { progress, .. } if progress.scale == 0 && progress.iteration == 0 => {
                 classes.push((progress.turn, progress.class));
             }
-            Event::Iterated { loss, .. } => losses.push(loss.total()),
+            Event::Iterated { losses: terms, .. } => losses.push(terms.total()),
             _ => {}
         }
     }
@@ -117,8 +117,8 @@ fn a_saved_run_goes_on_in_the_middle_of_any_class() {
             let mut run = start(parameters.clone());
             run.run(stop).unwrap();
             let text = serde_json::to_string(&run.state()).unwrap();
-            let state: SynthesisState = serde_json::from_str(&text).unwrap();
-            let mut resumed = Synthesis::resume(state, GENEROUS).unwrap();
+            let state: NetworkState = serde_json::from_str(&text).unwrap();
+            let mut resumed = NetworkRun::resume(state, GENEROUS).unwrap();
             assert_eq!(finish(&mut resumed).1, losses[stop as usize..], "{maps:?} stopped after {stop}");
             assert_eq!(resumed.points(), whole.points());
             assert_eq!(resumed.sources(), whole.sources());
@@ -143,12 +143,12 @@ fn the_maps_see_whose_values_a_point_carries() {
     // The loss before the first move, with and without an exchange of two points' values.
     let first_loss = |exemplar: &PointPattern, exchange: bool| {
         let parameters = small(ClassOrder::MostFirst, ClassMaps::Pooled);
-        let mut run = Synthesis::new(exemplar.clone(), parameters, GENEROUS).unwrap();
+        let mut run = NetworkRun::new(exemplar.clone(), parameters, GENEROUS).unwrap();
         if exchange {
             let mut sources = run.sources().to_vec();
             let other = (0..sources.len()).find(|&other| sources[other] != sources[0]).unwrap();
             sources.swap(0, other);
-            run.set_sources(sources).unwrap();
+            run.set_sources(&sources).unwrap();
         }
         finish(&mut run).1[0]
     };
@@ -172,18 +172,18 @@ fn values_may_change_hands_in_the_middle_of_a_scale() {
     let other =
         (0..last).rev().find(|&i| class_of(sources[i]) == class_of(sources[last]) && sources[i] != sources[last]);
     sources.swap(last, other.unwrap());
-    run.set_sources(sources.clone()).unwrap();
+    run.set_sources(&sources).unwrap();
     let after = run.state();
     assert_eq!((&after.points, &after.losses, &after.adam), (&before.points, &before.losses, &before.adam));
-    let mut resumed = Synthesis::resume(after, GENEROUS).unwrap();
+    let mut resumed = NetworkRun::resume(after, GENEROUS).unwrap();
     assert_eq!(finish(&mut run).1, finish(&mut resumed).1, "as if it had been saved");
     assert_eq!(&run.sources()[..sources.len()], sources);
 
     let refused = |damage: &dyn Fn(&mut Vec<usize>)| {
         let mut wrong = run.sources().to_vec();
         damage(&mut wrong);
-        let mut copy = Synthesis::resume(run.state(), GENEROUS).unwrap();
-        copy.set_sources(wrong).unwrap_err().to_string()
+        let mut copy = NetworkRun::resume(run.state(), GENEROUS).unwrap();
+        copy.set_sources(&wrong).unwrap_err().to_string()
     };
     assert!(refused(&|s| s.truncate(5)).contains("there are 5 for 96 points"));
     assert!(refused(&|s| s.swap(0, 95)).contains("point 0 has those of point"));
@@ -197,7 +197,7 @@ fn states_whose_values_do_not_fit_and_old_ones_are_refused() {
     run.run(2).unwrap();
     let mut state = run.state();
     state.sources[0] = 23;
-    let message = Synthesis::resume(state, GENEROUS).unwrap_err().to_string();
+    let message = NetworkRun::resume(state, GENEROUS).unwrap_err().to_string();
     assert!(message.contains("not of its class"), "{message}");
     // As version 1 wrote it.
     let mut old = serde_json::to_value(run.state()).unwrap();
@@ -207,8 +207,8 @@ fn states_whose_values_do_not_fit_and_old_ones_are_refused() {
     for name in ["class-order", "class-maps"] {
         fields["parameters"].as_object_mut().unwrap().remove(name).unwrap();
     }
-    let old: SynthesisState = serde_json::from_value(old).unwrap();
-    let message = Synthesis::resume(old, GENEROUS).unwrap_err().to_string();
+    let old: NetworkState = serde_json::from_value(old).unwrap();
+    let message = NetworkRun::resume(old, GENEROUS).unwrap_err().to_string();
     assert!(message.contains("its version is 1, this program reads 2"), "{message}");
 }
 
@@ -216,7 +216,7 @@ fn states_whose_values_do_not_fit_and_old_ones_are_refused() {
 fn the_memory_of_all_maps_is_counted() {
     let parameters = |maps| Parameters { channels: 32, ..small(ClassOrder::File, maps) };
     let needed = |maps| {
-        let error = Synthesis::new(thicket(), parameters(maps), 1).unwrap_err().to_string();
+        let error = NetworkRun::new(thicket(), parameters(maps), 1).unwrap_err().to_string();
         let (_, rest) = error.split_once("needs about ").unwrap_or_else(|| panic!("{error}"));
         rest.split(' ').next().unwrap().parse::<u32>().unwrap()
     };

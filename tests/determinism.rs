@@ -5,10 +5,10 @@
 
 use glam::DVec2;
 use pointweave::analysis::Cloud;
-use pointweave::method::parameters::Start;
-use pointweave::method::repair::Limits;
-use pointweave::method::{Parameters, Preset};
-use pointweave::synthesis::{Best, Event, Synthesis, SynthesisError, SynthesisState};
+use pointweave::finish::Limits;
+use pointweave::methods::network::parameters::PointStart;
+use pointweave::methods::network::{Best, NetworkError, NetworkRun, NetworkState, Parameters, Preset};
+use pointweave::run::Event;
 use pointweave::{Attribute, Boundary, Domain, PointPattern, gallery};
 
 const GENEROUS: u64 = 4_000_000_000;
@@ -35,12 +35,12 @@ fn rings() -> PointPattern {
 }
 
 fn run_all(exemplar: PointPattern, parameters: Parameters) -> (Vec<DVec2>, Vec<f64>) {
-    let mut run = Synthesis::new(exemplar, parameters, GENEROUS).unwrap();
+    let mut run = NetworkRun::new(exemplar, parameters, GENEROUS).unwrap();
     let mut losses = Vec::new();
     loop {
         match run.advance().unwrap() {
             Event::Finished => return (run.points().to_vec(), losses),
-            Event::Iterated { loss, .. } => losses.push(loss.total()),
+            Event::Iterated { losses: terms, .. } => losses.push(terms.total()),
             _ => {}
         }
     }
@@ -70,13 +70,13 @@ fn repairs_follow_the_last_scales_only_where_asked_for() {
         let parameters = Parameters {
             repair_scales,
             spacing_floor,
-            start: Start::WhiteNoise,
+            start: PointStart::WhiteNoise,
             iterations_polish: 0,
             alignment: 0,
             transplants: 0,
             ..small(Boundary::Periodic, 5)
         };
-        let mut run = Synthesis::new(rings(), parameters, GENEROUS).unwrap();
+        let mut run = NetworkRun::new(rings(), parameters, GENEROUS).unwrap();
         let mut between = None;
         loop {
             match run.advance().unwrap() {
@@ -112,7 +112,7 @@ fn a_saved_run_continues_as_if_never_stopped() {
         assert_eq!(points == first, restarts == 0);
         // In the middle of each scale, at its end, before anything has happened, and in the last try.
         for stop in [0, 5, 12, 15, losses.len() as u64 - 2] {
-            let mut run = Synthesis::new(rings(), parameters.clone(), GENEROUS).unwrap();
+            let mut run = NetworkRun::new(rings(), parameters.clone(), GENEROUS).unwrap();
             run.run(stop).unwrap();
             // Some of the next iteration is already done, and will be done again.
             if stop > 0 {
@@ -121,20 +121,20 @@ fn a_saved_run_continues_as_if_never_stopped() {
                 }
             }
             let text = serde_json::to_string(&run.state()).unwrap();
-            let state: SynthesisState = serde_json::from_str(&text).unwrap();
-            let mut resumed = Synthesis::resume(state, GENEROUS).unwrap();
+            let state: NetworkState = serde_json::from_str(&text).unwrap();
+            let mut resumed = NetworkRun::resume(state, GENEROUS).unwrap();
             let mut rest = Vec::new();
             loop {
                 match resumed.advance().unwrap() {
                     Event::Finished => break,
-                    Event::Iterated { loss, .. } => rest.push(loss.total()),
+                    Event::Iterated { losses: terms, .. } => rest.push(terms.total()),
                     _ => {}
                 }
             }
             assert_eq!(rest, losses[stop as usize..], "stopped after {stop}");
             assert_eq!(resumed.points(), points, "stopped after {stop}");
             // A finished run stays finished.
-            let mut done = Synthesis::resume(resumed.state(), GENEROUS).unwrap();
+            let mut done = NetworkRun::resume(resumed.state(), GENEROUS).unwrap();
             assert_eq!(done.advance().unwrap(), Event::Finished);
             assert_eq!(done.points(), points);
         }
@@ -143,11 +143,11 @@ fn a_saved_run_continues_as_if_never_stopped() {
 
 #[test]
 fn states_that_do_not_fit_together_are_refused() {
-    let mut run = Synthesis::new(rings(), small(Boundary::Open, 1), GENEROUS).unwrap();
+    let mut run = NetworkRun::new(rings(), small(Boundary::Open, 1), GENEROUS).unwrap();
     run.run(3).unwrap();
     let good = run.state();
-    assert!(Synthesis::resume(good.clone(), GENEROUS).is_ok());
-    type Break = fn(&mut SynthesisState);
+    assert!(NetworkRun::resume(good.clone(), GENEROUS).is_ok());
+    type Break = fn(&mut NetworkState);
     let breaks: [(&str, Break); 12] = [
         ("version", |s| s.version = 99),
         ("points", |s| s.points.truncate(5)),
@@ -155,7 +155,7 @@ fn states_that_do_not_fit_together_are_refused() {
         ("outside", |s| s.points[3].x = f64::NAN),
         ("scale", |s| s.scale = 40),
         ("try 1", |s| s.restart = 1),
-        ("best points", |s| s.best = Some(Best { wrongness: 0.1, points: Vec::new(), sources: Vec::new() })),
+        ("best points", |s| s.best = Some(Best { mismatch: 0.1, points: Vec::new(), sources: Vec::new() })),
         ("class", |s| s.class = 2),
         ("iterations", |s| s.iterations = 4000),
         ("losses", |s| s.losses.push(f64::NAN)),
@@ -165,16 +165,16 @@ fn states_that_do_not_fit_together_are_refused() {
     for (word, damage) in breaks {
         let mut state = good.clone();
         damage(&mut state);
-        let error = Synthesis::resume(state, GENEROUS).err().map(|e| e.to_string()).unwrap_or_default();
+        let error = NetworkRun::resume(state, GENEROUS).err().map(|e| e.to_string()).unwrap_or_default();
         assert!(error.contains(word), "{word}: {error:?}");
     }
 }
 
 #[test]
 fn points_move_and_the_loss_falls() {
-    for (boundary, start) in [(Boundary::Open, Start::PoissonDisk), (Boundary::Periodic, Start::WhiteNoise)] {
+    for (boundary, start) in [(Boundary::Open, PointStart::PoissonDisk), (Boundary::Periodic, PointStart::WhiteNoise)] {
         let parameters = Parameters { start, iterations_coarse: 30, ..small(boundary, 3) };
-        let before = Synthesis::new(rings(), parameters.clone(), GENEROUS).unwrap().points().to_vec();
+        let before = NetworkRun::new(rings(), parameters.clone(), GENEROUS).unwrap().points().to_vec();
         let (after, losses) = run_all(rings(), parameters);
         assert_eq!(before.len(), 240, "60 points on four times the area");
         assert!(before.iter().zip(&after).all(|(a, b)| a != b), "every point has moved");
@@ -202,7 +202,7 @@ fn results_come_in_the_exemplar_s_own_unit_with_classes_and_attributes() {
         iterations_fine: 1,
         ..small(Boundary::Open, 3)
     };
-    let mut run = Synthesis::new(exemplar.clone(), parameters, GENEROUS).unwrap();
+    let mut run = NetworkRun::new(exemplar.clone(), parameters, GENEROUS).unwrap();
     let mut classes_seen = Vec::new();
     loop {
         match run.advance().unwrap() {
@@ -232,19 +232,19 @@ fn results_come_in_the_exemplar_s_own_unit_with_classes_and_attributes() {
 #[test]
 fn what_does_not_fit_into_memory_is_refused_with_a_way_out() {
     let paper = Parameters { expansion_x: 8.0, expansion_y: 8.0, ..Parameters::preset(Preset::Paper) };
-    let error = Synthesis::new(rings(), paper, 600_000_000).unwrap_err();
-    let SynthesisError::Memory { needed_mb, limit_mb, lower } = &error else { panic!("{error}") };
+    let error = NetworkRun::new(rings(), paper, 600_000_000).unwrap_err();
+    let NetworkError::Memory { needed_mb, limit_mb, lower } = &error else { panic!("{error}") };
     assert_eq!(*limit_mb, 600);
     assert!(*needed_mb > 3000, "{needed_mb}");
     assert!(lower.contains("expansion") && lower.contains("channels"), "{lower}");
     // The paper's own size fits.
-    assert!(Synthesis::new(rings(), Parameters::preset(Preset::Paper), 600_000_000).is_ok());
+    assert!(NetworkRun::new(rings(), Parameters::preset(Preset::Paper), 600_000_000).is_ok());
 }
 
 #[test]
 fn exemplars_without_a_spacing_and_parameters_out_of_range_are_refused() {
     let words = |pattern: PointPattern, parameters: Parameters| {
-        Synthesis::new(pattern, parameters, GENEROUS).err().map(|e| e.to_string()).unwrap_or_default()
+        NetworkRun::new(pattern, parameters, GENEROUS).err().map(|e| e.to_string()).unwrap_or_default()
     };
     let one = PointPattern::new(Domain::UNIT, vec![DVec2::splat(0.5)]).unwrap();
     assert!(words(one, small(Boundary::Open, 1)).contains("two points"));
@@ -289,7 +289,7 @@ fn scales_at_which_a_lattice_is_flat_are_passed_over() {
     let scales_run = |name: &str| {
         let exemplar = gallery::find(name).unwrap().exemplar();
         let parameters = Parameters { scales: 3, grid_max: 80, ..small(exemplar.boundary(), 1) };
-        let mut run = Synthesis::new(exemplar, parameters, GENEROUS).unwrap();
+        let mut run = NetworkRun::new(exemplar, parameters, GENEROUS).unwrap();
         let mut scales: Vec<(usize, u32)> = Vec::new();
         loop {
             match run.advance().unwrap() {

@@ -6,12 +6,13 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 use pointweave::analysis::{AnalysisError, Cloud, OverlapStatistics, lens_area};
-use pointweave::method::disks::{Disks, Overlaps, separate};
-use pointweave::method::repair::{Arrangement, Room};
-use pointweave::method::values::{Exchange, Values};
-use pointweave::method::{Parameters, Preset};
+use pointweave::finish::Arrangement;
+use pointweave::finish::disks::{Disks, Overlaps, separate};
+use pointweave::finish::spacing::Room;
+use pointweave::finish::values::{Exchange, Values};
+use pointweave::methods::network::{NetworkError, NetworkRun, Parameters, Preset};
+use pointweave::run::Event;
 use pointweave::sampling::{Purpose, Rng, poisson_disk, white_noise};
-use pointweave::synthesis::{Event, Synthesis, SynthesisError};
 use pointweave::{Attribute, Boundary, Domain, PointPattern, gallery};
 
 const GENEROUS: u64 = 4_000_000_000;
@@ -152,10 +153,11 @@ fn a_radius_that_is_none_is_refused_with_its_point() {
         let radius = Attribute { name: "Radius".to_owned(), values: values.to_vec() };
         PointPattern::new(domain, positions).unwrap().with_attribute(radius).unwrap()
     };
-    let start =
-        |pattern, disk_overlap| Synthesis::new(pattern, Parameters { disk_overlap, ..small(Boundary::Open) }, GENEROUS);
+    let start = |pattern, disk_overlap| {
+        NetworkRun::new(pattern, Parameters { disk_overlap, ..small(Boundary::Open) }, GENEROUS)
+    };
     let error = start(pattern([1.0, 0.5, 5.5]), 1.0).unwrap_err();
-    assert!(matches!(error, SynthesisError::Disks(_)), "{error:?}");
+    assert!(matches!(error, NetworkError::Disks(_)), "{error:?}");
     assert!(error.to_string().contains("the disk of point 2 has a radius of 0.55"), "{error}");
     assert!(start(pattern([1.0, 0.5, 5.5]), 0.0).is_ok());
     assert!(start(pattern([1.0, 0.5, 4.5]), 1.0).is_ok());
@@ -366,7 +368,7 @@ fn small(boundary: Boundary) -> Parameters {
     }
 }
 
-fn finish(run: &mut Synthesis) {
+fn finish(run: &mut NetworkRun) {
     while run.advance().unwrap() != Event::Finished {}
 }
 
@@ -377,7 +379,7 @@ fn a_run_keeps_every_tuple_of_values_and_no_overlap() {
     let number = Attribute { name: "number".to_owned(), values: (0..pattern.len()).map(|n| n as f64).collect() };
     let pattern = pattern.with_attribute(number).unwrap();
     let output = |parameters: Parameters| {
-        let mut run = Synthesis::new(pattern.clone(), parameters, GENEROUS).unwrap();
+        let mut run = NetworkRun::new(pattern.clone(), parameters, GENEROUS).unwrap();
         finish(&mut run);
         run.output().unwrap()
     };
@@ -404,20 +406,20 @@ fn a_run_keeps_every_tuple_of_values_and_no_overlap() {
 
 #[test]
 fn a_run_that_was_saved_goes_on_with_the_same_values() {
-    let start = || Synthesis::new(exemplar("packed-disks"), small(Boundary::Periodic), GENEROUS).unwrap();
+    let start = || NetworkRun::new(exemplar("packed-disks"), small(Boundary::Periodic), GENEROUS).unwrap();
     let mut whole = start();
     finish(&mut whole);
     let mut half = start();
     half.run(13).unwrap();
     let state = half.state();
-    let mut other = Synthesis::resume(state.clone(), GENEROUS).unwrap();
+    let mut other = NetworkRun::resume(state.clone(), GENEROUS).unwrap();
     finish(&mut other);
     assert_eq!(other.output().unwrap(), whole.output().unwrap());
     // What does not fit is refused.
     let mut lacking = state.clone();
     lacking.sources.pop();
-    assert!(Synthesis::resume(lacking, GENEROUS).unwrap_err().to_string().contains("there are 134 for"));
+    assert!(NetworkRun::resume(lacking, GENEROUS).unwrap_err().to_string().contains("there are 134 for"));
     let mut beyond = state;
     beyond.sources[3] = 90;
-    assert!(Synthesis::resume(beyond, GENEROUS).unwrap_err().to_string().contains("not of its class"));
+    assert!(NetworkRun::resume(beyond, GENEROUS).unwrap_err().to_string().contains("not of its class"));
 }

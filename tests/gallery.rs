@@ -493,7 +493,7 @@ fn windows_have_one_centre() {
 
 #[test]
 fn classes_without_points_take_no_iterations_and_many_classes_keep_a_quarter() {
-    use pointweave::method::{Parameters, Preset};
+    use pointweave::methods::network::{Parameters, Preset};
     let plain = Parameters::preset(Preset::Fast);
     let pattern = entry("rings").exemplar();
     let coarse = |preset, classes: u16, names: u16| {
@@ -515,7 +515,7 @@ fn classes_without_points_take_no_iterations_and_many_classes_keep_a_quarter() {
 
 #[test]
 fn presets_suit_lattices_values_classes_and_nothing_else() {
-    use pointweave::method::{Parameters, Preset};
+    use pointweave::methods::network::{Parameters, Preset};
     for entry in gallery::entries() {
         let exemplar = entry.exemplar();
         let index = exemplar.aggregation_index().expect("every exemplar has a spacing");

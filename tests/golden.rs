@@ -18,7 +18,7 @@ use pointweave::engine::cpu::lanes::{LANES, padded};
 use pointweave::engine::cpu::network::{Evaluation, Network};
 use pointweave::engine::cpu::real::Real;
 use pointweave::engine::view::{Grid, Lags, View, Wave};
-use pointweave::method::{FilterBank, Weights};
+use pointweave::engine::{FilterBank, Weights};
 use serde_json::Value;
 
 fn numbers(value: &Value) -> Vec<f64> {

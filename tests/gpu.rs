@@ -9,16 +9,17 @@ mod common;
 use std::sync::Arc;
 
 use glam::DVec2;
+use pointweave::engine::Bands;
 use pointweave::engine::cpu::adam::Adam;
 use pointweave::engine::cpu::convolution::Geometry;
 use pointweave::engine::gpu::probe::{Case, Deviation, compare, probe};
 use pointweave::engine::gpu::timing::Direct;
 use pointweave::engine::gpu::{Gpu, GpuEngine, GpuError, OpenOptions, Shader};
 use pointweave::engine::{Advance, ScaleSetup};
-use pointweave::method::schedule::Scale;
-use pointweave::method::{Bands, Parameters, Preset};
+use pointweave::methods::network::schedule::Scale;
+use pointweave::methods::network::{NetworkRun, Parameters, Preset};
+use pointweave::run::Event;
 use pointweave::sampling::{Purpose, Rng, white_noise};
-use pointweave::synthesis::{Event, Synthesis};
 use pointweave::{Boundary, PointPattern, gallery};
 
 const MEMORY: u64 = 2_000_000_000;
@@ -151,12 +152,12 @@ fn every_shader_is_valid_within_what_every_device_offers() {
 }
 
 /// A run small enough for a device that a processor plays.
-fn tiny(name: &str, overrides: impl FnOnce(&mut Parameters)) -> Synthesis {
+fn tiny(name: &str, overrides: impl FnOnce(&mut Parameters)) -> NetworkRun {
     let exemplar = gallery::find(name).unwrap().exemplar();
     run_of(exemplar, overrides)
 }
 
-fn run_of(exemplar: PointPattern, overrides: impl FnOnce(&mut Parameters)) -> Synthesis {
+fn run_of(exemplar: PointPattern, overrides: impl FnOnce(&mut Parameters)) -> NetworkRun {
     let mut parameters = Parameters {
         channels: 8,
         grid_min: 24,
@@ -171,15 +172,15 @@ fn run_of(exemplar: PointPattern, overrides: impl FnOnce(&mut Parameters)) -> Sy
         ..Parameters::suited_to(Preset::Fast, &exemplar)
     };
     overrides(&mut parameters);
-    Synthesis::new(exemplar, parameters, MEMORY).unwrap()
+    NetworkRun::new(exemplar, parameters, MEMORY).unwrap()
 }
 
 /// Losses of all iterations.
-fn losses(synthesis: &mut Synthesis) -> Vec<f64> {
+fn losses(synthesis: &mut NetworkRun) -> Vec<f64> {
     let mut losses = Vec::new();
     loop {
         match synthesis.advance().unwrap() {
-            Event::Iterated { loss, .. } => losses.push(loss.total()),
+            Event::Iterated { losses: terms, .. } => losses.push(terms.total()),
             Event::Waiting => synthesis.wait(),
             Event::EngineChanged { reason } => panic!("{reason}"),
             Event::Finished => return losses,
@@ -211,7 +212,7 @@ fn a_whole_synthesis_goes_the_same_way_on_both_engines() {
         common::assert_close("first loss", &device[..1], &cpu[..1], 1e-5);
         common::assert_close("losses", &device[..50], &cpu[..50], DRIFT_TOLERANCE);
         assert!(device[49] < 0.8 * device[0], "it learns: {} to {}", device[0], device[49]);
-        let spacing = |run: &Synthesis| run.output().unwrap().mean_spacing().unwrap();
+        let spacing = |run: &NetworkRun| run.output().unwrap().mean_spacing().unwrap();
         let (a, b) = (spacing(&on_cpu), spacing(&on_gpu));
         assert!((a - b).abs() < 0.05 * a, "{name}: mean spacing {a} and {b}");
     }
@@ -235,7 +236,7 @@ fn a_saved_run_goes_on_to_the_same_bits_and_so_does_one_in_steps() {
     assert_eq!(whole.points(), steps.points(), "the size of batches changes nothing");
     let mut first = start();
     first.run(7).unwrap();
-    let mut second = Synthesis::resume(first.state(), MEMORY).unwrap();
+    let mut second = NetworkRun::resume(first.state(), MEMORY).unwrap();
     second.use_gpu(Some(gpu), MEMORY);
     second.run(12).unwrap();
     assert_eq!(whole.points(), second.points());
@@ -265,7 +266,7 @@ fn setup(boundary: Boundary) -> ScaleSetup {
     let parameters = Parameters { boundary, ..Parameters::preset(Preset::Fast) };
     let scale = Scale { sigma: 0.1, resolution: 24.0, learning_rate: 0.01, iterations: 10 };
     let exemplar = white_noise(&mut Rng::new(7, Purpose::Gallery), DVec2::ONE, 12);
-    ScaleSetup::new(&parameters, &scale, (0, 0), exemplar, DVec2::ONE, boundary, DVec2::ONE)
+    ScaleSetup::new(&parameters.scale_settings(&scale, (0, 0)), exemplar, DVec2::ONE, boundary, DVec2::ONE)
 }
 
 fn engine(gpu: &Arc<Gpu>, setup: ScaleSetup, points: Vec<DVec2>) -> Result<GpuEngine, GpuError> {
@@ -324,7 +325,7 @@ fn default_limits_are_enough_and_what_exceeds_them_is_refused_in_words() {
         let scale = Scale { sigma: 0.1, resolution, learning_rate: 0.01, iterations: 10 };
         let exemplar = white_noise(&mut Rng::new(7, Purpose::Gallery), DVec2::ONE, 12);
         let (one, boundary) = (DVec2::ONE, Boundary::Periodic);
-        ScaleSetup::new(&parameters, &scale, (0, 0), exemplar, one, boundary, DVec2::splat(output))
+        ScaleSetup::new(&parameters.scale_settings(&scale, (0, 0)), exemplar, one, boundary, DVec2::splat(output))
     };
     // The paper's largest grid fits, in several passes; the cap of this program's parameters may not.
     let bytes = GpuEngine::bytes_for(&gpu, &scaled(256.0, 2.0), 120, 1000, MEMORY).unwrap();
@@ -358,7 +359,7 @@ fn the_largest_grid_runs_within_default_limits() {
     let scale = Scale { sigma: 0.02, resolution: 256.0, learning_rate: 0.01, iterations: 10 };
     let exemplar = white_noise(&mut Rng::new(7, Purpose::Gallery), DVec2::ONE, 50);
     let (one, open) = (DVec2::ONE, Boundary::Open);
-    let setup = ScaleSetup::new(&parameters, &scale, (0, 0), exemplar, one, open, DVec2::splat(2.0));
+    let setup = ScaleSetup::new(&parameters.scale_settings(&scale, (0, 0)), exemplar, one, open, DVec2::splat(2.0));
     let points = white_noise(&mut Rng::new(3, Purpose::Gallery), DVec2::splat(2.0), 200);
     let mut engine = engine(&gpu, setup, points).unwrap();
     assert!(matches!(outcome(&mut engine), Advance::Iterated(_)));
@@ -423,7 +424,7 @@ fn the_direct_kernel_convolves() {
 }
 
 /// The device goes away after so many pieces of work; the run goes on from what came back last.
-fn lose_device_after(pieces: usize, fresh: bool) -> (u64, Synthesis) {
+fn lose_device_after(pieces: usize, fresh: bool) -> (u64, NetworkRun) {
     let mut run = tiny("rings", |parameters| {
         parameters.iterations_coarse = 20;
         parameters.scales = 1;

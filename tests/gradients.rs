@@ -16,7 +16,7 @@ use pointweave::engine::cpu::lanes::padded;
 use pointweave::engine::cpu::network::{Evaluation, Network, best_tiles};
 use pointweave::engine::cpu::normalization::Statistics;
 use pointweave::engine::view::{Grid, Lags, Region, View, Wave};
-use pointweave::method::{Bands, FilterBank, Weights};
+use pointweave::engine::{Bands, FilterBank, Weights};
 
 const BOUNDARIES: [Boundary; 2] = [Boundary::Open, Boundary::Periodic];
 

@@ -7,8 +7,8 @@ use glam::DVec2;
 use pointweave::Boundary;
 use pointweave::engine::cpu::network::{Evaluation, Network, best_tiles};
 use pointweave::engine::view::{Grid, Lags, View, Wave};
+use pointweave::engine::{FilterBank, Weights};
 use pointweave::gallery;
-use pointweave::method::{FilterBank, Weights};
 
 const CHANNELS: usize = 8;
 const PIXELS: usize = 64;

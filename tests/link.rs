@@ -5,15 +5,27 @@ use std::fs;
 
 use glam::DVec2;
 use pointweave::formats::link::{Link, LinkError, LinkExemplar, MAX_LENGTH, SHORT, Written, read_link, write_link};
-use pointweave::method::editions::EDITION;
-use pointweave::method::{Parameters, Preset};
+use pointweave::methods::Method;
+use pointweave::methods::network::editions::EDITION;
+use pointweave::methods::network::{Parameters, Preset};
 use pointweave::sampling::{Purpose, Rng, poisson_disk, white_noise};
 use pointweave::{Attribute, Boundary, Domain, PointPattern, gallery};
 use serde_json::{Map, Value, json};
 
 fn link(exemplar: PointPattern, overrides: Value) -> Link {
     let Value::Object(overrides) = overrides else { panic!("overrides are an object") };
-    Link { exemplar: LinkExemplar::Points(exemplar), preset: Preset::Fast, overrides, notes: Vec::new() }
+    Link {
+        method: Method::Network,
+        exemplar: LinkExemplar::Points(exemplar),
+        preset: "fast".to_owned(),
+        overrides,
+        notes: Vec::new(),
+    }
+}
+
+/// A link's parameters as the network takes them.
+fn typed(link: &Link) -> Parameters {
+    Parameters::from_fields(link.parameters().unwrap()).unwrap()
 }
 
 fn points(exemplar: PointPattern) -> Link {
@@ -226,7 +238,8 @@ fn parameters_are_told_by_their_difference_from_the_preset() {
     let exemplar = LinkExemplar::named("rings").unwrap();
     let suited = Parameters::suited_to(Preset::Balanced, &exemplar.pattern().unwrap());
     let Ok(Value::Object(mut all)) = serde_json::to_value(&suited) else { panic!("parameters are an object") };
-    let mut link = Link { exemplar, preset: Preset::Balanced, overrides: all.clone(), notes: Vec::new() };
+    let preset = "balanced".to_owned();
+    let mut link = Link { method: Method::Network, exemplar, preset, overrides: all.clone(), notes: Vec::new() };
     assert_eq!(write_link(&link).unwrap().fragment, "v=1&preset=balanced&exemplar=rings");
     all.insert("seed".to_owned(), json!(9_007_199_254_740_991_u64));
     all.insert("jitter-px".to_owned(), json!(0.1));
@@ -236,7 +249,7 @@ fn parameters_are_told_by_their_difference_from_the_preset() {
     assert_eq!(fragment, "v=1&preset=balanced&seed=9007199254740991&jitter-px=0.1&boundary=open&exemplar=rings");
     let read = read_link(&format!("#{fragment}")).unwrap();
     assert_eq!(read.parameters().unwrap(), link.parameters().unwrap());
-    assert_eq!((read.parameters().unwrap().seed, read.notes), (9_007_199_254_740_991, Vec::<String>::new()));
+    assert_eq!((typed(&read).seed, &read.notes), (9_007_199_254_740_991, &Vec::new()));
 }
 
 #[test]
@@ -247,17 +260,17 @@ fn values_are_moved_into_their_ranges() {
     let wanted = json!({ "channels": 160, "expansion-x": 0.25, "seed": 0, "scales": 3, "jitter-px": 2.0 });
     assert_eq!(Value::Object(link.overrides.clone()), wanted);
     assert_eq!(link.notes.len(), 9, "one sentence each: {:?}", link.notes);
-    link.parameters().unwrap().validate().unwrap();
+    typed(&link).validate().unwrap();
 
-    for range in Parameters::RANGES {
+    for parameter in Method::Network.definition().describe().parameters {
         for value in ["-1e308", "1e308", "0.5", "-inf", "99999999999999999999"] {
-            let link = read_link(&format!("v=1&{}={value}", range.name)).unwrap();
-            link.parameters().unwrap().validate().unwrap();
+            let link = read_link(&format!("v=1&{}={value}", parameter.name)).unwrap();
+            typed(&link).validate().unwrap();
             let mut overrides: Map<String, Value> = link.overrides.clone();
             let exemplar = pattern(&link);
             // What the page hands to the engine is all it needs.
             overrides.retain(|_, value| !value.is_null());
-            Parameters::with_overrides(link.preset, &exemplar, overrides).unwrap().validate().unwrap();
+            Method::Network.parameters(&link.preset, &exemplar, &overrides).unwrap();
         }
     }
     let tight = read_link("v=1&grid-min=256").unwrap();
@@ -268,13 +281,17 @@ fn values_are_moved_into_their_ranges() {
 fn defaults_and_refusals() {
     let rings = gallery::find("rings").unwrap().exemplar();
     assert_eq!(pattern(&read_link("v=1").unwrap()), rings);
-    assert_eq!(read_link("v=1").unwrap().preset, Preset::Fast);
+    assert_eq!(read_link("v=1").unwrap().preset, "fast");
+    assert_eq!(read_link("v=1&method=weaving").unwrap().method, Method::Network, "version 1 knows no methods");
+    assert_eq!(read_link("v=2&method=network").unwrap(), read_link("v=1").unwrap());
     for (fragment, part) in [
         ("", "version \"\""),
-        ("v=2", "version \"2\""),
+        ("v=2", "the method \"\"; there is network"),
+        ("v=2&method=weaving", "the method \"weaving\""),
+        ("v=3", "version \"3\""),
         ("exemplar=rings", "version"),
         ("v=1&exemplar=nope", "\"nope\""),
-        ("v=1&preset=good", "\"good\""),
+        ("v=1&preset=good", "\"good\"; there are fast, balanced, best, paper"),
         ("v=1&points=", "inflated"),
         ("v=1&points=Zm9v!", "base64url"),
         ("v=1&points=Zm9v", "inflated"),
@@ -391,7 +408,7 @@ fn golden_links_decode_for_ever() {
     for case in golden {
         let name = case["name"].as_str().unwrap();
         let link = read_link(case["fragment"].as_str().unwrap()).unwrap();
-        assert_eq!(link.preset.name(), case["preset"], "{name}");
+        assert_eq!((link.method, link.preset.as_str()), (Method::Network, case["preset"].as_str().unwrap()), "{name}");
         assert_eq!(Value::Object(link.overrides.clone()), case["overrides"], "{name}");
         let gallery = match link.exemplar {
             LinkExemplar::Gallery(name) => json!(name),
@@ -411,7 +428,7 @@ fn presets_of(edition: u32) -> Value {
     for preset in Preset::ALL {
         let of = |exemplar: &str| {
             let fragment = format!("v=1&preset={}&presets={edition}&exemplar={exemplar}", preset.name());
-            serde_json::to_value(read_link(&fragment).unwrap().parameters().unwrap()).unwrap()
+            Value::Object(read_link(&fragment).unwrap().parameters().unwrap())
         };
         presets.insert(preset.name().to_owned(), json!({ "lattice": of("square-grid"), "other": of("rings") }));
     }
@@ -459,9 +476,10 @@ fn record_the_presets() {
 fn print_golden_links() {
     let lattice = (0..12).map(|i| DVec2::new((i % 4) as f64 / 4.0, (i / 4) as f64 / 3.0)).collect();
     let lattice = PointPattern::new(Domain::UNIT, lattice).unwrap().with_boundary(Boundary::Periodic);
-    let gallery = |preset, overrides: Value| {
+    let gallery = |preset: Preset, overrides: Value| {
         let Value::Object(overrides) = overrides else { panic!("overrides are an object") };
-        Link { exemplar: LinkExemplar::named("chevrons").unwrap(), preset, overrides, notes: Vec::new() }
+        let (method, preset) = (Method::Network, preset.name().to_owned());
+        Link { method, exemplar: LinkExemplar::named("chevrons").unwrap(), preset, overrides, notes: Vec::new() }
     };
     let cases = [
         ("a gallery exemplar", gallery(Preset::Fast, json!({}))),
@@ -490,7 +508,7 @@ fn print_golden_links() {
                 LinkExemplar::Points(_) => Value::Null,
             };
             json!({
-                "name": name, "fragment": fragment, "preset": read.preset.name(), "overrides": read.overrides,
+                "name": name, "fragment": fragment, "preset": read.preset, "overrides": read.overrides,
                 "gallery": gallery, "exemplar": exemplar.pattern().unwrap(),
             })
         })

@@ -5,9 +5,8 @@
 
 use pointweave::analysis::Comparison;
 use pointweave::gallery;
-use pointweave::method::{Parameters, Preset};
+use pointweave::methods::network::{NetworkRun, Parameters, Preset};
 use pointweave::pattern::PointPattern;
-use pointweave::synthesis::Synthesis;
 
 const MEMORY: u64 = 2_000_000_000;
 
@@ -32,7 +31,7 @@ fn grown(preset: Preset, name: &str, change: impl FnOnce(&mut Parameters)) -> (P
     let exemplar = gallery::find(name).unwrap().exemplar();
     let mut parameters = Parameters::suited_to(preset, &exemplar);
     change(&mut parameters);
-    let mut run = Synthesis::new(exemplar.clone(), parameters, MEMORY).unwrap();
+    let mut run = NetworkRun::new(exemplar.clone(), parameters, MEMORY).unwrap();
     run.run(u64::MAX).unwrap();
     let output = run.output().unwrap();
     (exemplar, output)

@@ -5,9 +5,9 @@
 
 use glam::DVec2;
 use pointweave::engine::gpu::{Gpu, OpenOptions};
-use pointweave::method::parameters::ClassOrder;
-use pointweave::method::{Parameters, Preset};
-use pointweave::synthesis::{Event, Synthesis, SynthesisError, SynthesisState};
+use pointweave::methods::network::parameters::ClassOrder;
+use pointweave::methods::network::{NetworkError, NetworkRun, NetworkState, Parameters, Preset};
+use pointweave::run::Event;
 use pointweave::{Boundary, PointPattern, gallery};
 
 const GENEROUS: u64 = 4_000_000_000;
@@ -33,18 +33,23 @@ fn exemplar(name: &str) -> PointPattern {
     gallery::find(name).unwrap().exemplar()
 }
 
-fn start(name: &str, parameters: Parameters) -> Synthesis {
-    Synthesis::new(exemplar(name), parameters, GENEROUS).unwrap()
+fn start(name: &str, parameters: Parameters) -> NetworkRun {
+    NetworkRun::new(exemplar(name), parameters, GENEROUS).unwrap()
 }
 
-fn finish(run: &mut Synthesis) {
+fn finish(run: &mut NetworkRun) {
     run.run(u64::MAX).unwrap();
     assert_eq!(run.advance().unwrap(), Event::Finished);
 }
 
-fn saved_and_resumed(run: &Synthesis) -> Synthesis {
+fn saved_and_resumed(run: &NetworkRun) -> NetworkRun {
     let text = serde_json::to_string(&run.state()).unwrap();
-    Synthesis::resume(serde_json::from_str::<SynthesisState>(&text).unwrap(), GENEROUS).unwrap()
+    NetworkRun::resume(serde_json::from_str::<NetworkState>(&text).unwrap(), GENEROUS).unwrap()
+}
+
+/// The ids of points at these places in the list.
+fn ids(run: &NetworkRun, points: &[usize]) -> Vec<u32> {
+    points.iter().map(|&point| run.canvas().ids()[point]).collect()
 }
 
 /// Which of the points are elsewhere.
@@ -90,8 +95,8 @@ fn pinned_disks_keep_their_places_and_values_while_the_others_exchange_theirs() 
         let mut run = start(name, parameters.clone());
         run.run(2).unwrap();
         let held: Vec<usize> = (0..run.points().len()).step_by(4).collect();
-        run.pin(&held, true).unwrap();
-        let of = |run: &Synthesis| -> Vec<(DVec2, usize)> {
+        run.pin(&ids(&run, &held), true).unwrap();
+        let of = |run: &NetworkRun| -> Vec<(DVec2, usize)> {
             held.iter().map(|&point| (run.points()[point], run.sources()[point])).collect()
         };
         let (before, sources) = (of(&run), run.sources().to_vec());
@@ -110,7 +115,7 @@ fn pinned_disks_keep_their_places_and_values_while_the_others_exchange_theirs() 
 #[test]
 fn pins_are_let_go_of() {
     let mut run = start("rings", small(Boundary::Periodic, 3));
-    let all: Vec<usize> = (0..run.points().len()).collect();
+    let all = run.canvas().ids().to_vec();
     run.pin(&all, true).unwrap();
     run.run(2).unwrap();
     let before = start("rings", small(Boundary::Periodic, 3)).points().to_vec();
@@ -137,12 +142,12 @@ fn a_touched_run_is_saved_with_its_pins_and_ends_the_same() {
     };
     let mut whole = touched();
     let mut parted = saved_and_resumed(&touched());
-    assert!(parted.pinned()[7] && !parted.pinned()[8]);
+    assert!(parted.canvas().pinned()[7] && !parted.canvas().pinned()[8]);
     finish(&mut whole);
     finish(&mut parted);
     assert_eq!(whole.points(), parted.points());
     assert_eq!(whole.points()[7], DVec2::new(0.5, 0.25));
-    assert!(whole.pinned()[7]);
+    assert!(whole.canvas().pinned()[7]);
 }
 
 #[test]
@@ -196,7 +201,7 @@ fn a_region_keeps_its_classes_its_values_and_what_is_pinned() {
     let region = rectangle([0.2, 0.2], [1.3, 1.4]);
     let inside = |point: &DVec2| point.cmpgt(region[0]).all() && point.cmplt(region[2]).all();
     let held = before.iter().position(inside).unwrap();
-    run.pin(&[held], true).unwrap();
+    run.pin(&ids(&run, &[held]), true).unwrap();
     let classes = run.output().unwrap().classes().to_vec();
     run.redo_region(&region).unwrap();
     finish(&mut run);
@@ -209,7 +214,7 @@ fn a_region_keeps_its_classes_its_values_and_what_is_pinned() {
         list
     };
     assert_eq!(sorted(run.sources().to_vec()), sorted(sources), "the same values");
-    let listed = run.listed();
+    let listed = run.canvas().listed();
     let class = |point: &usize| classes[listed.iter().position(|other| other == point).unwrap()];
     assert!(moved.iter().any(|point| class(point) == 0) && moved.iter().any(|point| class(point) == 1));
 }
@@ -273,11 +278,11 @@ fn what_can_not_be_done_is_refused_in_words_and_changes_nothing() {
     run.run(3).unwrap();
     let before = run.state();
     let count = run.points().len();
-    let said = |result: Result<(), SynthesisError>, words: &str| {
+    let said = |result: Result<(), NetworkError>, words: &str| {
         let error = result.unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     };
-    said(run.pin(&[0, count], true), &format!("no point {count} among {count}"));
+    said(run.pin(&[0, count as u32], true), &format!("no point {count} among {count}"));
     said(run.move_points(&[0], &[]), "0 places for 1 points");
     said(run.move_points(&[0], &[DVec2::new(0.5, 2.5)]), "(0.5, 2.5) lies outside the output, 2 × 2");
     said(run.move_points(&[0], &[DVec2::new(f64::NAN, 0.5)]), "outside the output");
@@ -306,8 +311,8 @@ fn states_whose_pins_or_regions_do_not_fit_are_refused() {
     run.redo_region(&rectangle([0.0, 0.0], [1.0, 1.0])).unwrap();
     run.run(2).unwrap();
     let good = run.state();
-    assert!(Synthesis::resume(good.clone(), GENEROUS).is_ok());
-    type Break = fn(&mut SynthesisState);
+    assert!(NetworkRun::resume(good.clone(), GENEROUS).is_ok());
+    type Break = fn(&mut NetworkState);
     let breaks: [(&str, Break); 8] = [
         ("it holds point 999999", |state| state.pinned.push(999_999)),
         ("may move", |state| state.pinned = (0..50).collect()),
@@ -321,7 +326,7 @@ fn states_whose_pins_or_regions_do_not_fit_are_refused() {
     for (words, spoil) in breaks {
         let mut state = good.clone();
         spoil(&mut state);
-        let error = Synthesis::resume(state, GENEROUS).unwrap_err().to_string();
+        let error = NetworkRun::resume(state, GENEROUS).unwrap_err().to_string();
         assert!(error.contains(words), "{error}");
     }
 }

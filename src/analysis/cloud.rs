@@ -4,8 +4,7 @@ use glam::DVec2;
 
 use super::error::AnalysisError;
 use super::neighbours::Neighbours;
-use crate::domain::Boundary;
-use crate::pattern::{PointPattern, mean_nearest_distance};
+use crate::pattern::{Boundary, PointPattern, mean_nearest_distance};
 use crate::sampling::wrap;
 
 /// A pair whose overlap is less than this share of the window tells nothing: its weight would be all noise.

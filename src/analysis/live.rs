@@ -4,7 +4,7 @@
 use super::nearest::{Histogram, Summary, nearest_distances};
 use super::pair_correlation::{PairCorrelation, pair_correlation};
 use super::spacing::{border_crowd, relative_radius};
-use super::spectrum::{RadialSpectrum, periodogram};
+use super::spectrum::{Periodogram, RadialSpectrum, periodogram};
 use super::verdict::Facts;
 use super::{Analysis, AnalysisError, Cloud, Defects, Quality, Scales};
 
@@ -19,7 +19,9 @@ pub struct Curves {
     pub nearest_histogram: Histogram,
     /// All points, whatever their class.
     pub pair_correlation: PairCorrelation,
-    /// Radial mean of the periodogram.
+    /// The periodogram.
+    pub periodogram: Periodogram,
+    /// Its radial mean.
     pub spectrum: RadialSpectrum,
     /// ρ.
     pub relative_radius: f64,
@@ -33,12 +35,14 @@ impl Curves {
     pub fn of(cloud: &Cloud, scales: &Scales) -> Result<Self, AnalysisError> {
         let nearest = nearest_distances(cloud, 1)?;
         let distances = nearest.distances.iter().copied();
+        let periodogram = periodogram(cloud, scales.max_frequency)?;
         Ok(Self {
             points: cloud.len(),
             nearest_histogram: Histogram::of(distances.clone(), scales.histogram_width, scales.histogram_count),
             nearest: Summary::of(distances),
             pair_correlation: pair_correlation(cloud, &scales.pair_correlation)?,
-            spectrum: periodogram(cloud, scales.max_frequency)?.radial_mean(scales.ring_width)?,
+            spectrum: periodogram.radial_mean(scales.ring_width)?,
+            periodogram,
             relative_radius: relative_radius(cloud)?,
         })
     }

@@ -6,8 +6,7 @@ use super::cloud::Cloud;
 use super::error::AnalysisError;
 use super::pair_correlation::{PairCorrelationSettings, Sums};
 use super::{Analysis, CrossCorrelation, Scales, class_pair_correlations};
-use crate::formats::style::ORIENTATION_ATTRIBUTE;
-use crate::pattern::PointPattern;
+use crate::pattern::{ORIENTATION_ATTRIBUTE, PointPattern};
 use crate::sampling::{Purpose, Rng};
 
 /// Where fewer pairs than this share of chance's lie at a distance, they tell nothing of their marks: a few pairs that

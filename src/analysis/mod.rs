@@ -33,8 +33,6 @@ mod overlap;
 mod pair_correlation;
 mod pair_density;
 mod quality;
-#[cfg(not(target_arch = "wasm32"))]
-mod report;
 mod ripley;
 #[cfg(not(target_arch = "wasm32"))]
 mod scores;
@@ -50,6 +48,7 @@ pub use marks::{
     ASSIGNMENTS, AttributeCorrelation, AttributeError, ClassPairError, MarkComparison, MarkCorrelation, MarkError,
     MarkFunction, mark_correlation,
 };
+pub(crate) use nearest::quantile;
 pub use nearest::{Histogram, NEIGHBOURS, NearestDistances, Summary, nearest_distances};
 pub use neighbourhoods::{NEIGHBOURHOOD, NeighbourhoodMatch, Neighbourhoods};
 pub use neighbours::{Neighbour, Neighbours};
@@ -60,8 +59,6 @@ pub use pair_correlation::{
 };
 pub use pair_density::{PairDensity, PairDensitySettings, class_pair_densities, pair_density};
 pub use quality::{Distances, Quality, QualityScale, normalised_quality, tile};
-#[cfg(not(target_arch = "wasm32"))]
-pub use report::{ReportError, write_comparison_report, write_report};
 pub use ripley::{Envelope, Ripley, RipleySettings, envelope, ripley};
 #[cfg(not(target_arch = "wasm32"))]
 pub use scores::{Score, scores};
@@ -75,8 +72,7 @@ pub use verdict::{describe, verdict};
 
 use serde::{Deserialize, Serialize};
 
-use crate::domain::{Boundary, Domain};
-use crate::pattern::PointPattern;
+use crate::pattern::{Boundary, Domain, PointPattern};
 
 /// Simulated patterns of an envelope: with 99 the chance that one point of a curve leaves it is 2 %.
 pub const SIMULATIONS: usize = 99;
@@ -415,13 +411,17 @@ impl Judge {
 }
 
 /// The unit both sides of a comparison are measured in.
-fn exemplar_unit(exemplar: &PointPattern) -> f64 {
+pub(crate) fn exemplar_unit(exemplar: &PointPattern) -> f64 {
     exemplar.domain().exemplar_unit()
 }
 
 /// Both patterns in one unit, with one numbering of classes: the exemplar's, then what only the output has. Classes
 /// are the same when their names are, or when there is one on each side.
-fn common_classes(exemplar: &PointPattern, output: &PointPattern, unit: f64) -> Result<(Cloud, Cloud), AnalysisError> {
+pub(crate) fn common_classes(
+    exemplar: &PointPattern,
+    output: &PointPattern,
+    unit: f64,
+) -> Result<(Cloud, Cloud), AnalysisError> {
     let known = exemplar.class_names();
     let mut more: Vec<&String> = Vec::new();
     let alone = known.len() == 1 && output.class_names().len() == 1;

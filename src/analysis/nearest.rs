@@ -75,7 +75,7 @@ impl Summary {
 }
 
 /// The value below which a `share` of the sorted numbers lies, interpolated between neighbours; 0 without numbers.
-pub(super) fn quantile(sorted: &[f64], share: f64) -> f64 {
+pub(crate) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return 0.0 };
     let place = share.clamp(0.0, 1.0) * last as f64;
     let below = (place.floor() as usize).min(last);

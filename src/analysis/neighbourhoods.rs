@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::cloud::{Cloud, check_positive};
 use super::error::AnalysisError;
-use crate::domain::Boundary;
 use crate::parallel::for_each_chunk;
+use crate::pattern::Boundary;
 
 /// How many neighbours make a neighbourhood.
 pub const NEIGHBOURHOOD: usize = 8;

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::cloud::Cloud;
-use crate::domain::Boundary;
+use crate::pattern::Boundary;
 
 /// Most columns and rows of cells: with more, the cells of the largest pattern would hold less than a point in ten.
 const MAX_CELLS: f64 = 512.0;

@@ -8,8 +8,7 @@ use super::error::AnalysisError;
 use super::neighbourhoods::{NeighbourhoodMatch, Neighbourhoods};
 use super::pair_density::{PairDensity, PairDensitySettings, class_pair_densities};
 use super::{common_classes, exemplar_unit};
-use crate::domain::Boundary;
-use crate::pattern::PointPattern;
+use crate::pattern::{Boundary, PointPattern};
 use crate::sampling::{Purpose, Rng, poisson_disk, white_noise};
 
 /// How many starts of each kind the zero is averaged over.

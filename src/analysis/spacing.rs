@@ -10,7 +10,7 @@ use super::cloud::{Cloud, check_positive};
 use super::error::AnalysisError;
 use super::nearest::{nearest_distances, quantile};
 use super::pair_correlation::densest_distance;
-use crate::domain::Boundary;
+use crate::pattern::Boundary;
 use crate::sorting::ascending;
 
 /// Lagae & Dutré's (2008, §3) relative radius ρ in a domain of this area: half the smallest distance between two

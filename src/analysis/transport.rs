@@ -7,7 +7,7 @@ use super::cloud::Cloud;
 use super::error::AnalysisError;
 use super::pair_correlation::{PairCorrelationSettings, pair_correlation};
 use super::spacing::relative_radius;
-use crate::domain::Boundary;
+use crate::pattern::Boundary;
 
 /// Most points of a set in an exact assignment, whose cost grows with the cube: some seconds at this size.
 pub const MAX_ASSIGNMENT: usize = 3000;

@@ -3,21 +3,74 @@
 //! An engine works in exemplar units and knows nothing of files, pages or names. A [`ScaleSetup`] says all it needs;
 //! [`cpu::CpuEngine`] and [`gpu::GpuEngine`] run it in bounded steps.
 
+pub mod bands;
 pub mod cpu;
+pub mod filters;
 pub mod gpu;
 pub mod view;
 
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
-use crate::domain::Boundary;
-use crate::method::schedule::Scale;
-use crate::method::{Parameters, Weights};
-use crate::synthesis::LossTerms;
+use crate::pattern::Boundary;
 
 use cpu::CpuEngine;
 use cpu::adam::Adam;
 use gpu::GpuEngine;
 use view::{CUTOFF_SIGMAS, Grid, Lags, Region, Stage, View, Wave};
+
+pub use bands::{Bands, Weights};
+pub use filters::FilterBank;
+
+/// The loss of one iteration and its terms, weights included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LossTerms {
+    /// Gram loss of layers 2, 3 and 4.
+    pub gram: [f64; 3],
+    /// Deep-correlation loss of layer 4.
+    pub correlation: f64,
+}
+
+impl LossTerms {
+    /// The Gram loss of all layers.
+    #[must_use]
+    pub fn grams(&self) -> f64 {
+        self.gram.iter().sum()
+    }
+
+    /// The sum of all terms.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.grams() + self.correlation
+    }
+}
+
+/// The numbers of one scale, whatever method chose them. Lengths are in exemplar units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaleSettings {
+    /// What lies beyond the output's border.
+    pub boundary: Boundary,
+    /// Width of the Gaussian.
+    pub sigma: f64,
+    /// Frequency of the Gabor waves in cycles per exemplar unit.
+    pub frequency: f64,
+    /// Pixels per exemplar unit.
+    pub resolution: f64,
+    /// How far the grids of an open output reach beyond its border, in σ.
+    pub margin_sigmas: f64,
+    /// Weights of the Gram and the correlation loss.
+    pub weights: [f64; 2],
+    /// Adam's step.
+    pub learning_rate: f64,
+    /// Jitter of rows and columns in pixels.
+    pub jitter_px: f64,
+    /// Decides filters and jitter.
+    pub seed: u64,
+    /// Which class, from 0.
+    pub class: u16,
+    /// Which scale, from 0.
+    pub scale: u16,
+}
 
 /// One class on one scale: everything an engine needs, in exemplar units.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,37 +106,29 @@ pub struct ScaleSetup {
 }
 
 impl ScaleSetup {
-    /// Puts a scale together, for points that weigh the same. `exemplar_size` and `output_size` are in exemplar units; `exemplar_points` is the
-    /// number M that sets the scale of the maps.
+    /// Puts a scale together, for points that weigh the same. Sizes are in exemplar units.
     #[must_use]
     pub fn new(
-        parameters: &Parameters,
-        scale: &Scale,
-        place: (u16, u16),
+        settings: &ScaleSettings,
         exemplar: Vec<DVec2>,
         exemplar_size: DVec2,
         exemplar_boundary: Boundary,
         output_size: DVec2,
     ) -> Self {
-        let boundary = parameters.boundary;
+        let &ScaleSettings { boundary, sigma, resolution, .. } = settings;
         // Dividing by the number of neighbours summed, at most 30, gives the maps the scale for which the ε of the
         // normalisation works as in the paper's published code.
         let map_scale = 1.0 / exemplar.len().clamp(1, 30) as f64;
-        let wave = Wave {
-            sigma: scale.sigma,
-            frequency: parameters.frequency,
-            scale: map_scale,
-            cutoff_sigmas: CUTOFF_SIGMAS,
-        };
+        let wave = Wave { sigma, frequency: settings.frequency, scale: map_scale, cutoff_sigmas: CUTOFF_SIGMAS };
         // A periodic output has no border. The exemplar's statistics must not have one either: it is either a tile
         // itself, or only its interior counts.
         let interior_only = boundary == Boundary::Periodic && exemplar_boundary == Boundary::Open;
         let exemplar_sees = if interior_only { Boundary::Open } else { boundary };
-        let margin = if boundary == Boundary::Open { parameters.margin_sigmas * scale.sigma } else { 0.0 };
+        let margin = if boundary == Boundary::Open { settings.margin_sigmas * sigma } else { 0.0 };
         let exemplar_view =
-            View { grid: grid(exemplar_size + 2.0 * margin, scale.resolution, exemplar_sees), wave, interior_only };
+            View { grid: grid(exemplar_size + 2.0 * margin, resolution, exemplar_sees), wave, interior_only };
         let output_view =
-            View { grid: grid(output_size + 2.0 * margin, scale.resolution, boundary), wave, interior_only: false };
+            View { grid: grid(output_size + 2.0 * margin, resolution, boundary), wave, interior_only: false };
         let (a, b): (Region, Region) = (exemplar_view.last_region(), output_view.last_region());
         Self {
             exemplar,
@@ -94,12 +139,12 @@ impl ScaleSetup {
             output_view,
             output_weights: Weights::default(),
             lags: Lags { rows: a.height().min(b.height()), columns: a.width().min(b.width()) },
-            weights: [parameters.gram_weight, parameters.correlation_weight],
-            learning_rate: scale.learning_rate,
-            jitter_px: parameters.jitter_px,
-            seed: parameters.seed,
-            class: place.0,
-            scale: place.1,
+            weights: settings.weights,
+            learning_rate: settings.learning_rate,
+            jitter_px: settings.jitter_px,
+            seed: settings.seed,
+            class: settings.class,
+            scale: settings.scale,
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use crate::domain::Boundary;
-use crate::method::filters::{LAYERS, STRIDES};
+use crate::engine::filters::{LAYERS, STRIDES};
+use crate::pattern::Boundary;
 
 /// Layers whose Gram matrices count: all but the first.
 pub const GRAM_LAYERS: usize = LAYERS - 1;
@@ -111,6 +111,13 @@ pub fn image_sizes(height: usize, width: usize) -> [(usize, usize); LAYERS + 1] 
         sizes[layer + 1] = (h.div_ceil(stride), w.div_ceil(stride));
     }
     sizes
+}
+
+/// Operations of the four convolutions on a grid of so many columns and rows, done directly, forward and with respect
+/// to the input.
+pub(crate) fn direct_operations(grid: [f64; 2], channels: f64) -> f64 {
+    let pairs = grid[0] * grid[1] * channels * (5.0 + channels + channels / 4.0 + channels / 16.0);
+    2.0 * 2.0 * 49.0 * pairs
 }
 
 /// Where statistics of a pattern are taken.

@@ -11,8 +11,7 @@ use glam::DVec2;
 
 use super::error::{FormatError, Place, clip};
 use super::table::unfit_name;
-use crate::domain::{Boundary, Domain};
-use crate::pattern::{MAX_CLASSES, check_name};
+use crate::pattern::{Boundary, Domain, MAX_CLASSES, check_name};
 
 /// What the comments and the format declare.
 #[derive(Clone, Debug, Default)]

@@ -3,8 +3,7 @@
 use glam::DVec2;
 
 use super::error::FormatError;
-use crate::domain::Domain;
-use crate::pattern::mean_nearest_distance;
+use crate::pattern::{Domain, mean_nearest_distance};
 
 /// The unit square when all points lie in it, else the bounding box grown on every side by half the mean distance
 /// between nearest neighbours: that much room the points at the border share with neighbours that were cut off.

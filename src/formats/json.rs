@@ -17,8 +17,7 @@ use super::error::{FormatError, clip, place, places};
 use super::guess::guess_domain;
 use super::table::{Row, RowPlace, Table};
 use super::{FileFormat, ReadOptions, Reading, geojson, project};
-use crate::domain::{Boundary, Domain};
-use crate::pattern::{PatternError, PointPattern, RawPattern};
+use crate::pattern::{Boundary, Domain, PatternError, PointPattern, RawPattern};
 
 /// Most commas: every value but one costs a comma, and the largest pattern needs a tenth of this. It bounds the
 /// memory that nested empty lists could take.

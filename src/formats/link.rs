@@ -3,12 +3,14 @@
 //! ```text
 //! #v=1&preset=fast&seed=7&exemplar=rings
 //! #v=1&preset=balanced&expansion-x=3&domain=0,0,100,50&exemplar-boundary=periodic&points=AywAAAA…
+//! #v=2&method=…&preset=fast&exemplar=rings
 //! ```
 //! | key | what it holds |
 //! |---|---|
-//! | `v` | version of the layout: 1 |
+//! | `v` | version of the layout: 1 for the network, 2 for links that name a method |
+//! | `method` | name of the method, in links of version 2 |
 //! | `preset` | `fast` when left out |
-//! | `presets` | edition of the presets' values, see [`crate::method::editions`]; 1 when left out |
+//! | `presets` | edition of the presets' values, see [`crate::run::Definition::edition`]; 1 when left out |
 //! | a parameter's name | its value, where it differs from the preset's as it suits the exemplar |
 //! | `exemplar` | name of a built-in exemplar; `rings` when there are no points either |
 //! | `points` | the exemplar's points, see below |
@@ -57,11 +59,9 @@ use thiserror::Error;
 use self::points::{PLACES, Precision, Sheet, VALUES};
 use super::declaration::number_text;
 use super::error::clip;
-use crate::domain::{Boundary, Domain};
 use crate::gallery;
-use crate::method::editions::{EDITION, values_before};
-use crate::method::{Parameters, Preset};
-use crate::pattern::{PatternError, PointPattern};
+use crate::methods::Method;
+use crate::pattern::{Boundary, Domain, PatternError, PointPattern};
 
 /// Longest fragment, in bytes.
 pub const MAX_LENGTH: usize = 32_768;
@@ -69,12 +69,14 @@ pub const MAX_LENGTH: usize = 32_768;
 pub const SHORT: usize = 2000;
 /// A short link may move a point by half a step, and this many steps make the mean spacing at least.
 const STEPS_PER_SPACING: f64 = 200.0;
-const VERSION: &str = "1";
+/// Version of links that name no method: they mean the network.
+const FIRST_VERSION: &str = "1";
+/// Version of links that name one.
+const SECOND_VERSION: &str = "2";
 /// What links that say nothing mean.
 const FIRST_EDITION: u32 = 1;
 const DEFAULT_EXEMPLAR: &str = "rings";
-/// The parameters that are words.
-const CHOICES: [&str; 5] = ["boundary", "start", "learning-rate-unit", "class-order", "class-maps"];
+const DEFAULT_PRESET: &str = "fast";
 
 /// Why a link was refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -89,14 +91,27 @@ pub enum LinkError {
         max: usize,
     },
     /// Made by a later version, or not by us.
-    #[error("the link is of version {0:?}; this program reads version 1")]
+    #[error("the link is of version {0:?}; this program reads versions 1 and 2")]
     Version(String),
+    /// A word that is no method.
+    #[error("the link names the method {name:?}; there is {known}")]
+    Method {
+        /// The offending word.
+        name: String,
+        /// What there is.
+        known: String,
+    },
     /// No built-in exemplar of that name.
     #[error("the link names the exemplar {0:?}, which is not in the gallery")]
     Exemplar(String),
     /// A word that is no preset.
-    #[error("the link names the preset {0:?}; there are fast, balanced, best and paper")]
-    Preset(String),
+    #[error("the link names the preset {name:?}; there are {known}")]
+    Preset {
+        /// The offending word.
+        name: String,
+        /// What there is.
+        known: String,
+    },
     /// The rectangle can't be read.
     #[error("the link's domain is {0:?}, but must be x0,y0,x1,y1")]
     Domain(String),
@@ -139,10 +154,12 @@ impl LinkExemplar {
 /// What a link says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
+    /// What runs.
+    pub method: Method,
     /// What to learn from.
     pub exemplar: LinkExemplar,
-    /// What the parameters start from.
-    pub preset: Preset,
+    /// Name of the preset that the parameters start from.
+    pub preset: String,
     /// Parameters that differ from the preset's as it suits the exemplar, under their names in files.
     pub overrides: Map<String, Value>,
     /// What was moved into its range, in sentences; nothing in a link that is yet to be written.
@@ -150,27 +167,39 @@ pub struct Link {
 }
 
 impl Link {
-    /// All parameters, in their ranges.
+    /// All parameters, in their ranges and in order.
     ///
     /// # Errors
-    /// [`LinkError::Exemplar`] when the exemplar is not in the gallery.
-    pub fn parameters(&self) -> Result<Parameters, LinkError> {
-        let mut parameters = self.merged()?;
-        parameters.put_in_order();
-        Ok(parameters)
+    /// [`LinkError::Exemplar`] when the exemplar is not in the gallery, [`LinkError::Preset`] when there is no such preset.
+    pub fn parameters(&self) -> Result<Map<String, Value>, LinkError> {
+        self.with_overrides(&self.overrides)
     }
 
-    /// The same before those that depend on each other are put in order.
-    fn merged(&self) -> Result<Parameters, LinkError> {
+    /// The preset's parameters as they suit the exemplar, with these replaced.
+    fn with_overrides(&self, overrides: &Map<String, Value>) -> Result<Map<String, Value>, LinkError> {
         let exemplar = self.exemplar.pattern().ok_or(LinkError::Points("there is no exemplar"))?;
-        let allowed: Map<String, Value> = self
-            .overrides
-            .iter()
-            .filter_map(|(name, value)| Some((name.clone(), Parameters::nearest(name, value)?)))
-            .collect();
-        Ok(Parameters::with_overrides(self.preset, &exemplar, allowed)
-            .unwrap_or_else(|_| Parameters::suited_to(self.preset, &exemplar)))
+        let parameters = self.method.definition().nearest_parameters(&self.preset, &exemplar, overrides);
+        parameters.map_err(|_| no_preset(self.method, &self.preset))
     }
+
+    /// What was raised because another number asks for more, with its value before.
+    fn raised(&self) -> Result<Vec<(String, Value, Value)>, LinkError> {
+        let mut before = self.with_overrides(&Map::new())?;
+        before.extend(self.overrides.clone());
+        let after = self.parameters()?.into_iter();
+        Ok(after
+            .filter_map(|(name, value)| Some((before.get(&name)?.clone(), name, value)))
+            .filter(|(old, _, value)| old.as_f64() != value.as_f64())
+            .map(|(old, name, value)| (name, old, value))
+            .collect())
+    }
+}
+
+/// Says that the method has no preset of that name.
+fn no_preset(method: Method, name: &str) -> LinkError {
+    let presets = method.definition().describe().presets;
+    let known: Vec<&str> = presets.iter().map(|preset| preset.name).collect();
+    LinkError::Preset { name: clip(name), known: known.join(", ") }
 }
 
 /// A link as it was written.
@@ -261,13 +290,19 @@ fn rounding(sheet: &Sheet, precision: Precision, spacing: f64) -> String {
 
 /// The fragment but for the points. The exemplar must be as the receiver will have it.
 fn link_text(link: &Link) -> Result<String, LinkError> {
-    let mut text = format!("v={VERSION}&preset={}", link.preset.name());
-    if EDITION > FIRST_EDITION {
-        text.push_str(&format!("&presets={EDITION}"));
+    let definition = link.method.definition();
+    let mut text = match link.method {
+        Method::Network => format!("v={FIRST_VERSION}"),
+        #[allow(unreachable_patterns, reason = "other methods are optional")]
+        other => format!("v={SECOND_VERSION}&method={}", other.name()),
+    };
+    text.push_str(&format!("&preset={}", link.preset));
+    let edition = definition.edition();
+    if edition > FIRST_EDITION {
+        text.push_str(&format!("&presets={edition}"));
     }
-    let plain = Link { overrides: Map::new(), ..link.clone() };
-    let (wanted, plain) = (fields(&link.parameters()?), fields(&plain.parameters()?));
-    for name in Parameters::RANGES.iter().map(|range| range.name).chain(CHOICES) {
+    let (wanted, plain) = (link.parameters()?, link.with_overrides(&Map::new())?);
+    for name in definition.describe().parameters.iter().map(|parameter| parameter.name) {
         match wanted.get(name) {
             Some(value) if plain.get(name) != Some(value) => {
                 let value = match (value, value.as_f64()) {
@@ -296,14 +331,6 @@ fn link_text(link: &Link) -> Result<String, LinkError> {
     Ok(text)
 }
 
-/// The parameters under their names in files.
-fn fields(parameters: &Parameters) -> Map<String, Value> {
-    match serde_json::to_value(parameters) {
-        Ok(Value::Object(fields)) => fields,
-        _ => Map::new(),
-    }
-}
-
 /// Reads a fragment, with or without its `#`. Nothing in it is believed: lengths are capped before anything is unpacked,
 /// and values are moved into their ranges.
 ///
@@ -321,14 +348,18 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
         .collect();
     // The last one of a kind holds.
     let get = |wanted: &str| pairs.iter().rev().find(|(key, _)| *key == wanted).map(|(_, value)| value.as_str());
-    match get("v") {
-        Some(VERSION) => {}
+    let method = match get("v") {
+        // Whatever else it says: it was written when there was one method.
+        Some(FIRST_VERSION) => Method::Network,
+        Some(SECOND_VERSION) => named_method(get("method").unwrap_or(""))?,
         other => return Err(LinkError::Version(clip(other.unwrap_or("")))),
-    }
-    let preset = match get("preset") {
-        None => Preset::Fast,
-        Some(name) => Preset::from_name(name).map_err(|_| LinkError::Preset(clip(name)))?,
     };
+    let description = method.definition().describe();
+    let preset = get("preset").unwrap_or(DEFAULT_PRESET);
+    if description.presets.iter().all(|known| known.name != preset) {
+        return Err(no_preset(method, preset));
+    }
+    let preset = preset.to_owned();
     let exemplar = match get("points") {
         Some(points) => {
             let domain = get("domain").map_or(Ok(Domain::UNIT), parse_domain)?;
@@ -343,12 +374,13 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
     };
 
     let (mut overrides, mut notes) = (Map::new(), Vec::new());
-    for name in Parameters::RANGES.iter().map(|range| range.name).chain(CHOICES) {
+    for parameter in description.parameters {
+        let name = parameter.name;
         let Some(text) = get(name) else { continue };
         // JSON has no infinity.
         let number = text.parse::<f64>().map(|number| number.clamp(f64::MIN, f64::MAX));
         let value = number.map_or_else(|_| Value::from(text), Value::from);
-        match Parameters::nearest(name, &value) {
+        match parameter.nearest(&value) {
             Some(allowed) => {
                 if allowed.as_f64() != value.as_f64() {
                     notes.push(format!("'{name}' was {}, which is out of its range; it is {allowed} now.", clip(text)));
@@ -361,24 +393,29 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
         }
     }
     let edition = get("presets").map_or(FIRST_EDITION, |text| text.parse().unwrap_or(u32::MAX));
-    if edition > EDITION {
+    let present = method.definition().edition();
+    if edition > present {
         notes.push("The link was made with later presets; those of this program are used.".to_owned());
-    } else if edition < EDITION {
+    } else if edition < present {
         let pattern = exemplar.pattern().ok_or(LinkError::Points("there is no exemplar"))?;
-        for (name, value) in values_before(edition, preset, &pattern) {
+        for (name, value) in method.definition().values_before(edition, &preset, &pattern) {
             overrides.entry(name).or_insert(value);
         }
     }
-    let mut link = Link { exemplar, preset, overrides, notes };
+    let mut link = Link { method, exemplar, preset, overrides, notes };
     // Numbers that depend on each other: what had to be raised is a difference from the preset too.
-    let (before, after) = (fields(&link.merged()?), fields(&link.parameters()?));
-    for (name, value) in after {
-        if let Some(old) = before.get(&name).filter(|&old| *old != value) {
-            link.notes.push(format!("'{name}' was {old}, which is too small for the others; it is {value} now."));
-            link.overrides.insert(name, value);
-        }
+    for (name, old, value) in link.raised()? {
+        link.notes.push(format!("'{name}' was {old}, which is too small for the others; it is {value} now."));
+        link.overrides.insert(name, value);
     }
     Ok(link)
+}
+
+fn named_method(name: &str) -> Result<Method, LinkError> {
+    Method::from_name(name).map_err(|_| {
+        let known: Vec<&str> = Method::ALL.iter().map(|method| method.name()).collect();
+        LinkError::Method { name: clip(name), known: known.join(", ") }
+    })
 }
 
 fn parse_domain(text: &str) -> Result<Domain, LinkError> {

@@ -50,6 +50,8 @@ pub(crate) mod png;
 mod preview;
 mod project;
 mod reference;
+#[cfg(not(target_arch = "wasm32"))]
+mod report;
 pub mod style;
 mod style_sheet;
 pub(crate) mod svg;
@@ -68,10 +70,11 @@ pub use picture::{BlobOptions, Blobs, Ink, Picture, find_blobs};
 pub use png::{PngError, PngStyle, draw, encode_png, write_png};
 pub use preview::{AttributePreview, ClassPreview, Preview};
 pub use project::{Project, write_project};
+#[cfg(not(target_arch = "wasm32"))]
+pub use report::{ReportError, write_comparison_report, write_report};
 pub use svg::{SvgStyle, write_svg};
 
-use crate::domain::{Boundary, Domain};
-use crate::pattern::{PatternError, PointPattern};
+use crate::pattern::{Boundary, Domain, PatternError, PointPattern};
 
 /// Most bytes of a file. The largest pattern with eight attributes takes about 5 MB.
 pub const MAX_BYTES: usize = 20_000_000;

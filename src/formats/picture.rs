@@ -8,8 +8,7 @@ use glam::DVec2;
 use super::error::FormatError;
 use super::style::RADIUS_ATTRIBUTE;
 use super::{FileFormat, ReadOptions, Reading};
-use crate::domain::{Boundary, Domain};
-use crate::pattern::{Attribute, MAX_POINTS, PointPattern};
+use crate::pattern::{Attribute, Boundary, Domain, MAX_POINTS, PointPattern};
 
 /// Most pixels of a picture: 4096².
 pub(super) const MAX_PIXELS: usize = 1 << 24;

@@ -1,8 +1,7 @@
 //! What a person sees of a file before its points are used.
 
 use super::Reading;
-use crate::domain::Boundary;
-use crate::pattern::{Attribute, PointPattern};
+use crate::pattern::{Attribute, Boundary, PointPattern};
 
 /// Counts, ranges and whatever looks odd.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,19 +2,19 @@
 //! that it goes on as the very same run.
 //!
 //! ```json
-//! {"pointweave-project": 1, "title": "Rings", "preset": "fast", "overrides": {"seed": 7}, "exemplar": {…},
+//! {"pointweave-project": 1, "title": "Rings", "method": "network", "preset": "fast", "overrides": {"seed": 7}, "exemplar": {…},
 //!  "output": {…}, "run": {…}}
 //! ```
 //! `exemplar` and `output` are patterns as [`write_json`](super::write_json) writes them. `run` is a
-//! [`SynthesisState`](crate::synthesis::SynthesisState) without its exemplar, which stands beside it; it is checked by
-//! whoever continues it. `output` and `run` may be missing.
+//! state ([`Run::state`](crate::run::Run::state)) without its exemplar, which stands beside it; it is checked by whoever
+//! continues it. `output` and `run` may be missing; without `method` it is the network.
 
 use serde_json::{Map, Value, json};
 
 use super::error::clip;
 use super::json::{layout, layout_at, located, member_place, misfit};
 use super::{FileFormat, FormatError, ReadOptions, Reading};
-use crate::method::{Parameters, Preset};
+use crate::methods::Method;
 use crate::pattern::{PointPattern, RawPattern};
 
 const MARK: &str = "pointweave-project";
@@ -27,13 +27,15 @@ const MAX_TITLE_LENGTH: usize = 200;
 pub struct Project {
     /// What the person calls it.
     pub title: String,
-    /// The preset that was chosen.
-    pub preset: Preset,
+    /// The method that was chosen.
+    pub method: Method,
+    /// Name of the preset that was chosen.
+    pub preset: String,
     /// Parameters that differ from it, under their names in files, in their ranges.
     pub overrides: Map<String, Value>,
     /// The output as it stood.
     pub output: Option<PointPattern>,
-    /// The run as it stood: a [`SynthesisState`](crate::synthesis::SynthesisState) as JSON.
+    /// The run as it stood: what [`Run::state`](crate::run::Run::state) gave.
     pub state: Option<String>,
 }
 
@@ -64,16 +66,24 @@ pub(super) fn read(text: &str, mut object: Map<String, Value>, options: &ReadOpt
         Some(value) => Some(self::pattern(text, "output", value)?),
     };
     let word = |name: &str| object.get(name).and_then(Value::as_str).unwrap_or_default();
+    let method = match word("method") {
+        "" => Method::default(),
+        name => Method::from_name(name).map_err(|error| layout(text, &["method"], error.to_string()))?,
+    };
+    let description = method.definition().describe();
     let preset = match word("preset") {
-        "" => Preset::default(),
-        name => Preset::from_name(name).map_err(|error| layout(text, &["preset"], error.to_string()))?,
+        "" => description.presets.first().map_or_else(String::new, |preset| preset.name.to_owned()),
+        name => {
+            method.check_preset(name).map_err(|error| layout(text, &["preset"], error.to_string()))?;
+            name.to_owned()
+        }
     };
     let title = word("title").chars().take(MAX_TITLE_LENGTH).collect();
     let mut notes = Vec::new();
     let mut overrides = Map::new();
     if let Some(Value::Object(chosen)) = object.get("overrides") {
         for (name, value) in chosen {
-            match Parameters::nearest(name, value) {
+            match description.parameter(name).and_then(|parameter| parameter.nearest(value)) {
                 Some(allowed) => {
                     if allowed.as_f64() != value.as_f64() {
                         notes.push(format!("'{name}' was {value}, which is out of its range; it is {allowed} now."));
@@ -88,7 +98,7 @@ pub(super) fn read(text: &str, mut object: Map<String, Value>, options: &ReadOpt
     let mut reading = Reading::new(FileFormat::Project, pattern);
     reading.is_domain_declared = true;
     reading.notes = notes;
-    reading.project = Some(Project { title, preset, overrides, output, state });
+    reading.project = Some(Project { title, method, preset, overrides, output, state });
     Ok(reading)
 }
 
@@ -117,7 +127,7 @@ pub fn write_project(exemplar: &PointPattern, project: &Project) -> Result<Strin
     };
     let output = project.output.as_ref().map(value).transpose()?;
     let whole = json!({
-        MARK: VERSION, "title": project.title, "preset": project.preset.name(), "overrides": project.overrides,
+        MARK: VERSION, "title": project.title, "method": project.method, "preset": project.preset, "overrides": project.overrides,
         "exemplar": value(exemplar)?, "output": output, "run": run,
     });
     Ok(whole.to_string() + "\n")

@@ -8,8 +8,7 @@ use super::declaration::Declared;
 use super::error::{FormatError, clip};
 use super::table::{Role, Row, RowPlace, Table};
 use super::whitespace::split_comment;
-use crate::domain::Domain;
-use crate::pattern::{MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH};
+use crate::pattern::{Domain, MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH};
 
 /// What stands for 1.
 const ONE: i64 = 10_000;

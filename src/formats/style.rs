@@ -3,19 +3,8 @@
 use glam::DVec2;
 
 use super::glyph::Glyph;
-use crate::domain::Boundary;
-use crate::pattern::PointPattern;
-
-/// The attribute that, when a pattern has it, gives every disk its radius in the pattern's own unit.
-pub const RADIUS_ATTRIBUTE: &str = "radius";
-/// The attribute that, when a pattern has it, turns every glyph: degrees, counter-clockwise as one sees it, 0 to the
-/// right. 90 points up, towards smaller y, for y points down.
-pub const ORIENTATION_ATTRIBUTE: &str = "orientation";
-/// The attribute that, without a radius, makes glyphs larger or smaller: in any unit, drawn against its mean.
-pub const SCALE_ATTRIBUTE: &str = "scale";
-/// The attribute that says what stands before what: the distance from the eye, in any unit. What is deeper is drawn
-/// first, so the smallest depth is the front.
-pub const DEPTH_ATTRIBUTE: &str = "depth";
+use crate::pattern::{Boundary, PointPattern};
+pub use crate::pattern::{DEPTH_ATTRIBUTE, ORIENTATION_ATTRIBUTE, RADIUS_ATTRIBUTE, SCALE_ATTRIBUTE};
 
 /// An opaque colour, 8 bits a channel, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -345,7 +334,7 @@ fn push_copies(marks: &mut Vec<Mark>, mark: Mark, reach: f64, min: DVec2, size: 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::domain::Domain;
+    use crate::pattern::Domain;
 
     #[test]
     fn sixteen_classes_look_different() {

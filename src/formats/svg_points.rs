@@ -18,8 +18,7 @@ use super::style::RADIUS_ATTRIBUTE;
 use super::style_sheet::{StyleSheet, Styles};
 use super::svg::GLYPH;
 use super::{FileFormat, ReadOptions, Reading};
-use crate::domain::{Boundary, Domain};
-use crate::pattern::{Attribute, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PointPattern};
+use crate::pattern::{Attribute, Boundary, Domain, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PointPattern};
 
 /// Most nodes of the document, text included.
 const MAX_NODES: u32 = 400_000;

@@ -6,9 +6,9 @@ use super::declaration::Declared;
 use super::error::{FormatError, Place, clip};
 use super::guess::guess_domain;
 use super::{FileFormat, ReadOptions, Reading};
-use crate::domain::Boundary;
 use crate::pattern::{
-    Attribute, MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PatternError, PointPattern, check_name,
+    Attribute, Boundary, MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PatternError, PointPattern,
+    check_name,
 };
 
 /// Most columns of a table, skipped ones included.

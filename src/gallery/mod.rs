@@ -18,8 +18,7 @@ mod things;
 
 use glam::DVec2;
 
-use crate::domain::Domain;
-use crate::pattern::{Attribute, PointPattern};
+use crate::pattern::{Attribute, Domain, PointPattern};
 use sample::Sample;
 
 /// One exemplar of the gallery.

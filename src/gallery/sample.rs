@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 
-use crate::domain::Boundary;
+use crate::pattern::Boundary;
 use crate::sampling::{Purpose, Rng, lloyd_step, poisson_disk, wrap};
 
 /// The points of an exemplar in `[0, size.x] × [0, size.y]`.

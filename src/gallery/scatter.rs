@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::sample::{Sample, angle, direction, random, scattered, torus_distance};
-use crate::domain::Boundary;
+use crate::pattern::Boundary;
 use crate::sampling::{lloyd_step, poisson_disk, white_noise, wrap};
 
 /// Blue noise by Lloyd's relaxation on the torus (Lloyd 1982), stopped at a relative radius ρ of 0.73, where capacity-

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::domain::Boundary;
+use crate::pattern::Boundary;
 use crate::sorting::order;
 
 /// Moves every point to the centroid of its Voronoi cell in `[0, size.x) × [0, size.y)` (Lloyd 1982): one step of the

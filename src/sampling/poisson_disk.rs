@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::domain::Boundary;
+use crate::pattern::Boundary;
 use crate::sampling::Rng;
 
 /// Exactly `count` points in `[0, size.x) × [0, size.y)` whose mutual distances stay large: darts are thrown at a

@@ -5,8 +5,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::protocol::typed_array;
-use crate::domain::{Boundary, Domain};
-use crate::pattern::{Attribute, PatternError, PointPattern};
+use crate::pattern::{Attribute, Boundary, Domain, PatternError, PointPattern};
 
 /// A [`PointPattern`] as typed arrays. Nothing in it is checked before [`PointPattern::try_from`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,9 +10,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::pattern_data::PatternData;
-use crate::domain::Boundary;
-use crate::method::Parameters;
-use crate::synthesis::{Event, Progress};
+use crate::pattern::Boundary;
+use crate::run::{DEFAULT_METHOD, Event, Progress, Tool};
 
 /// What the page asks: an object whose `type` is one of these in kebab case.
 ///
@@ -43,6 +42,9 @@ pub enum Request {
     Start {
         /// What to learn from.
         exemplar: Source,
+        /// Name of a method.
+        #[serde(default = "default_method")]
+        method: String,
         /// Name of a preset.
         preset: String,
         /// Parameters that differ from the preset, under their names in files and links.
@@ -57,12 +59,12 @@ pub enum Request {
         /// How many iterations to complete at most; 1 is a single step.
         max_iterations: u32,
     },
-    /// Moves points, holds them where they are or lets them go; indices are those of [`Points`]. Answered by
+    /// Moves points, holds them where they are or lets them go; points are named by their ids. Answered by
     /// [`Response::Batch`].
     Touch {
         /// Which points.
-        #[serde(with = "typed_array::words")]
-        points: Vec<u16>,
+        #[serde(with = "typed_array::ids")]
+        points: Vec<u32>,
         /// Where to, `x, y, x, y, …` in exemplar units; none: they stay where they are.
         #[serde(with = "typed_array::doubles")]
         positions: Vec<f64>,
@@ -78,6 +80,9 @@ pub enum Request {
     /// Goes on with other parameters from the points as they are; if it is refused, the run stays as it is. Answered by
     /// [`Response::Started`].
     Continue {
+        /// Name of the run's method.
+        #[serde(default = "default_method")]
+        method: String,
         /// Name of a preset.
         preset: String,
         /// Parameters that differ from the preset, under their names in files and links.
@@ -96,6 +101,10 @@ pub enum Request {
         /// What [`Response::Saved`] held.
         state: String,
     },
+}
+
+fn default_method() -> String {
+    DEFAULT_METHOD.to_owned()
 }
 
 /// What a person wants to compute with.
@@ -172,10 +181,8 @@ pub enum Response {
         version: String,
         /// What computes.
         engine: EngineView,
-        /// Quickest first.
-        presets: Vec<PresetView>,
-        /// Range and meaning of every numeric parameter.
-        ranges: Vec<RangeView>,
+        /// The methods, in the order in which they are offered.
+        methods: Vec<MethodView>,
         /// What points can be drawn as.
         glyphs: Vec<GlyphView>,
     },
@@ -200,12 +207,14 @@ pub enum Response {
     },
     /// A run is ready; nothing has moved yet.
     Started {
+        /// Name of the method.
+        method: String,
         /// What it learns from.
         exemplar: PatternView,
         /// The points as they are now.
         output: Box<PatternView>,
         /// All parameters of the run.
-        parameters: Box<Parameters>,
+        parameters: Map<String, Value>,
         /// Where the run stands.
         progress: Progress,
     },
@@ -234,6 +243,8 @@ pub enum Response {
         exemplar: CurvesView,
         /// The output's, at the same distances.
         output: CurvesView,
+        /// The periodograms of both sides.
+        periodogram: PeriodogramView,
         /// Distances at which the pair correlations are sampled.
         #[serde(with = "typed_array::floats")]
         distance: Vec<f32>,
@@ -294,24 +305,96 @@ pub struct PresetView {
     pub title: String,
     /// One sentence on what to expect.
     pub meaning: String,
-    /// The numbers behind it.
-    pub parameters: Parameters,
+    /// The numbers behind it, for an exemplar that asks for nothing special.
+    pub parameters: Map<String, Value>,
 }
 
-/// A numeric parameter's name, range and meaning.
+/// A method in its own words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub struct RangeView {
+pub struct MethodView {
     /// Its name in files, links and requests.
     pub name: String,
-    /// Smallest allowed value.
-    pub min: f64,
-    /// Largest allowed value.
-    pub max: f64,
-    /// Whether it must be a whole number.
-    pub whole: bool,
+    /// What the page calls it.
+    pub title: String,
+    /// One or two sentences on what it does.
+    pub meaning: String,
+    /// Quickest first.
+    pub presets: Vec<PresetView>,
+    /// In the order in which the page shows them within their groups.
+    pub parameters: Vec<ParameterView>,
+    /// What hands can do to its results.
+    pub tools: Vec<Tool>,
+    /// The terms of its loss.
+    pub losses: Vec<LossView>,
+}
+
+/// A parameter in its own words.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct ParameterView {
+    /// Its name in files, links and requests.
+    pub name: String,
+    /// What the page calls it.
+    pub title: String,
     /// One sentence on what it does.
     pub meaning: String,
+    /// Where on the page.
+    pub place: PlaceView,
+    /// The heading it stands under.
+    pub group: String,
+    /// Which values it may have.
+    pub kind: KindView,
+}
+
+/// Where a parameter stands on the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlaceView {
+    /// Always in sight.
+    Main,
+    /// Under *Advanced*.
+    Advanced,
+}
+
+/// Which values a parameter may have.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum KindView {
+    /// A number.
+    Number {
+        /// Smallest allowed value.
+        min: f64,
+        /// Largest allowed value.
+        max: f64,
+        /// Whether it must be a whole number.
+        whole: bool,
+    },
+    /// A word.
+    Choice {
+        /// The words.
+        options: Vec<OptionView>,
+    },
+}
+
+/// One of the words that a parameter may be.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OptionView {
+    /// The word in files, links and requests.
+    pub name: String,
+    /// What the page calls it.
+    pub title: String,
+    /// One sentence on what it does.
+    pub meaning: String,
+}
+
+/// A term of the loss.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LossView {
+    /// Its name in events.
+    pub name: String,
+    /// What the page calls it.
+    pub title: String,
 }
 
 /// A built-in exemplar.
@@ -373,6 +456,9 @@ pub struct PatternView {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Points {
+    /// Names of the points, which stay theirs while others come and go; a `Uint32Array` on the page.
+    #[serde(with = "typed_array::ids")]
+    pub ids: Vec<u32>,
     /// `x, y, x, y, …` in exemplar units; a `Float32Array` on the page.
     #[serde(with = "typed_array::floats")]
     pub positions: Vec<f32>,
@@ -391,9 +477,9 @@ pub struct Points {
     /// How far behind every point stands; empty when the pattern gives none.
     #[serde(with = "typed_array::floats")]
     pub depths: Vec<f32>,
-    /// Which points are held where they are; a `Uint16Array` on the page.
-    #[serde(with = "typed_array::words")]
-    pub pinned: Vec<u16>,
+    /// Ids of the points that are held where they are; a `Uint32Array` on the page.
+    #[serde(with = "typed_array::ids")]
+    pub pinned: Vec<u32>,
 }
 
 /// The statistics of one side.
@@ -416,6 +502,29 @@ pub struct CurvesView {
     pub power: Vec<f32>,
     /// Relative radius ρ.
     pub relative_radius: f64,
+}
+
+/// The periodograms of both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PeriodogramView {
+    /// The exemplar's.
+    pub exemplar: SpectrumView,
+    /// The output's; a larger rectangle has closer frequencies.
+    pub output: SpectrumView,
+}
+
+/// How strong every wave is, by its frequencies along x and y.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpectrumView {
+    /// Columns; the middle one is the frequency 0 along x.
+    pub width: usize,
+    /// Rows, from the lowest frequency along y on; the middle one is 0.
+    pub height: usize,
+    /// Power, row after row; 1 is chance, and 0 stands in the middle.
+    #[serde(with = "typed_array::floats")]
+    pub power: Vec<f32>,
+    /// The highest frequencies along x and y, in cycles per d.
+    pub reach: [f64; 2],
 }
 
 /// [`Quality`](crate::analysis::Quality): 0 is chance, 1 the exemplar tiled.
@@ -492,6 +601,7 @@ pub(super) mod typed_array {
     typed!(floats, f32, Float32Array);
     typed!(doubles, f64, Float64Array);
     typed!(words, u16, Uint16Array);
+    typed!(ids, u32, Uint32Array);
 }
 
 #[cfg(test)]

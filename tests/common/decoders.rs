@@ -108,7 +108,10 @@ pub fn link(bytes: &[u8]) {
 
 fn fragment_of(fragment: &str) {
     let Ok(link) = read_link(fragment) else { return };
-    link.parameters().expect("parameters").validate().expect("parameters in their ranges");
+    let parameters = link.parameters().expect("parameters");
+    for parameter in link.method.definition().describe().parameters {
+        parameter.check(&parameters[parameter.name]).expect("parameters in their ranges");
+    }
     if let LinkExemplar::Points(pattern) = &link.exemplar {
         assert!(pattern.len() <= pointweave::pattern::MAX_POINTS);
     }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use pointweave::analysis::{self, Analysis, Comparison, MarkError, Scales};
-use pointweave::formats::ReadOptions;
+
+use pointweave::formats::{self, ReadOptions};
 use pointweave::{Domain, PointPattern};
 use serde::Serialize;
 
@@ -98,7 +99,7 @@ pub(crate) fn run(arguments: &AnalyzeArguments) -> Result<(), Failure> {
             let scales = Scales::of(&analysis::Cloud::of(&pattern)).map_err(refused)?;
             let result = Analysis::of_pattern(&pattern, arguments.seed).map_err(refused)?;
             if let Some(path) = &arguments.svg {
-                let svg = analysis::write_report(&pattern, &result, &name).map_err(not_drawn)?;
+                let svg = formats::write_report(&pattern, &result, &name).map_err(not_drawn)?;
                 files::write_file(path, svg.as_bytes())?;
             }
             let verdict = analysis::describe(&result);
@@ -126,10 +127,10 @@ fn report(
     comparison: &Comparison,
     names: [&str; 2],
 ) -> Result<String, Failure> {
-    analysis::write_comparison_report(pattern, output, comparison, names).map_err(not_drawn)
+    formats::write_comparison_report(pattern, output, comparison, names).map_err(not_drawn)
 }
 
-fn not_drawn(error: analysis::ReportError) -> Failure {
+fn not_drawn(error: formats::ReportError) -> Failure {
     Failure::Run(format!("the report can't be drawn: {error}"))
 }
 

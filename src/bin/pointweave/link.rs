@@ -6,11 +6,10 @@ use clap::{Args, Subcommand};
 use pointweave::Domain;
 use pointweave::formats::ReadOptions;
 use pointweave::formats::link::{Link, LinkExemplar, read_link, write_link};
-use pointweave::method::{Cost, Parameters, Preset};
 
 use crate::failure::Failure;
 use crate::files::{self, Format, LookArguments, Output};
-use crate::settings::{self, BoundaryArgument, PresetArgument};
+use crate::settings::{self, BoundaryArgument, Chosen, MethodArguments};
 
 /// Write and read share links.
 ///
@@ -42,18 +41,8 @@ struct EncodeArguments {
     /// The exemplar: a file, - for standard input, or gallery:NAME
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// What the parameters start from
-    #[arg(long, value_enum, default_value = "fast")]
-    preset: PresetArgument,
-    /// Size of the result in sizes of the exemplar
-    #[arg(long, value_name = "N|WxH", value_parser = settings::parse_scale)]
-    scale: Option<[f64; 2]>,
-    /// Same seed, same result
-    #[arg(long)]
-    seed: Option<u64>,
-    /// Change any parameter, as in synth
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = settings::parse_setting)]
-    settings: Vec<(String, String)>,
+    #[command(flatten)]
+    chosen: MethodArguments,
     /// The rectangle the exemplar's points were cut from
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = settings::parse_domain)]
     domain: Option<Domain>,
@@ -89,25 +78,16 @@ pub(crate) fn run(arguments: &LinkArguments) -> Result<(), Failure> {
 fn encode(arguments: &EncodeArguments) -> Result<(), Failure> {
     let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
     let pattern = files::read_pattern(&arguments.input, &options)?;
-    let preset = Preset::from(arguments.preset);
-    let mut parameters = Parameters::suited_to(preset, &pattern);
-    if let Some([width, height]) = arguments.scale {
-        (parameters.expansion_x, parameters.expansion_y) = (width, height);
-    }
-    parameters.seed = arguments.seed.unwrap_or(parameters.seed);
-    let parameters = settings::apply(parameters, &arguments.settings)?;
-    parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
+    let Chosen { method, preset, overrides } = arguments.chosen.chosen()?;
+    let parameters = method.parameters(&preset, &pattern, &overrides);
+    let overrides = parameters.map_err(|error| Failure::Usage(error.to_string()))?;
 
     let name = arguments.input.to_str().and_then(|text| text.strip_prefix("gallery:"));
     let exemplar = match name {
         Some(name) if options == ReadOptions::default() => LinkExemplar::named(name).map_err(failed)?,
         _ => LinkExemplar::Points(pattern),
     };
-    let overrides = match serde_json::to_value(&parameters) {
-        Ok(serde_json::Value::Object(fields)) => fields,
-        _ => return Err(Failure::Run("the parameters can't be written".to_owned())),
-    };
-    let written = write_link(&Link { exemplar, preset, overrides, notes: Vec::new() }).map_err(failed)?;
+    let written = write_link(&Link { method, exemplar, preset, overrides, notes: Vec::new() }).map_err(failed)?;
     if let Some(note) = &written.note {
         eprintln!("{note}");
     }
@@ -126,11 +106,12 @@ fn decode(arguments: &DecodeArguments) -> Result<(), Failure> {
     for note in &link.notes {
         eprintln!("{note}");
     }
-    eprintln!("preset {}", link.preset.name());
+    eprintln!("method {}", link.method.name());
+    eprintln!("preset {}", link.preset);
     for (name, value) in &link.overrides {
         eprintln!("{name} {value}");
     }
-    if let Some(cost) = Cost::of(&pattern, &parameters) {
+    if let Some(cost) = link.method.definition().cost(&pattern, &parameters) {
         eprintln!("{} points in, {} out, at most {} iterations", pattern.len(), cost.points, cost.iterations);
     }
     output.write(&pattern, &format!("{} points of a link", pattern.len()))

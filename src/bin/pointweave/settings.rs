@@ -1,10 +1,12 @@
-//! Words of the command line as parameters of the method.
+//! Words of the command line as a method and its parameters.
 
-use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::{Args, ValueEnum};
 use glam::DVec2;
-use pointweave::method::{ParameterError, Parameters, Preset};
+use pointweave::methods::Method;
+use pointweave::run::{Description, Kind, ParameterError};
 use pointweave::{Boundary, Domain};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::failure::Failure;
 
@@ -26,32 +28,8 @@ impl From<BoundaryArgument> for Boundary {
     }
 }
 
-/// `--preset`.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(crate) enum PresetArgument {
-    /// Seconds: few channels, a grid just fine enough.
-    Fast,
-    /// A minute or two: more iterations, and three other tries at the worst regions.
-    Balanced,
-    /// Many minutes: more channels, a finer grid, and many tries at the worst regions.
-    Best,
-    /// The numbers of the paper, on its fine grid: long.
-    Paper,
-}
-
-impl From<PresetArgument> for Preset {
-    fn from(argument: PresetArgument) -> Self {
-        match argument {
-            PresetArgument::Fast => Self::Fast,
-            PresetArgument::Balanced => Self::Balanced,
-            PresetArgument::Best => Self::Best,
-            PresetArgument::Paper => Self::Paper,
-        }
-    }
-}
-
 /// `2` or `2x3`: width and height of the output in those of the exemplar. The range is checked with the parameters.
-pub(crate) fn parse_scale(text: &str) -> Result<[f64; 2], String> {
+fn parse_scale(text: &str) -> Result<[f64; 2], String> {
     let number = |word: &str| {
         word.trim()
             .parse::<f64>()
@@ -77,69 +55,130 @@ pub(crate) fn parse_domain(text: &str) -> Result<Domain, String> {
 }
 
 /// `name=value`.
-pub(crate) fn parse_setting(text: &str) -> Result<(String, String), String> {
+fn parse_setting(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().to_owned(), value.trim().to_owned())),
         _ => Err("'name=value' is needed, as in 'channels=32'".to_owned()),
     }
 }
 
-/// The parameters with `--set`'s changes; each name is one of the fields as they stand in files.
-pub(crate) fn apply(parameters: Parameters, settings: &[(String, String)]) -> Result<Parameters, Failure> {
-    let unreadable = |error: serde_json::Error| Failure::Run(format!("the parameters can't be changed: {error}"));
-    let mut parameters = parameters;
-    for (name, text) in settings {
-        let mut fields = serde_json::to_value(&parameters).map_err(unreadable)?;
-        let known: Vec<String> = fields.as_object().into_iter().flat_map(|map| map.keys().cloned()).collect();
-        let Some(field) = fields.get_mut(name) else {
-            return Err(Failure::Usage(format!("there is no parameter '{name}'; there are {}", known.join(", "))));
+/// What runs and with which parameters: what `synth` and `link encode` have in common.
+#[derive(Debug, Args)]
+pub(crate) struct MethodArguments {
+    /// What makes the result [default: network]
+    #[arg(long, value_name = "METHOD", value_parser = methods())]
+    method: Option<String>,
+    /// Size of the result in sizes of the exemplar: one number, or width x height as in 2x3 [default: 2]
+    #[arg(long, value_name = "N|WxH", value_parser = parse_scale)]
+    scale: Option<[f64; 2]>,
+    /// Trade time for fidelity [default: the method's quickest]
+    #[arg(long, value_name = "PRESET", value_parser = presets())]
+    preset: Option<String>,
+    /// Same seed, same result [default: 1]
+    #[arg(long)]
+    seed: Option<u64>,
+    /// What lies beyond the border of the result [default: the same as beyond the exemplar's]
+    #[arg(long, value_enum)]
+    boundary: Option<BoundaryArgument>,
+    /// Change any parameter, as in --set channels=32; may be repeated (list below)
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = parse_setting)]
+    settings: Vec<(String, String)>,
+}
+
+/// The names of these arguments, for those that exclude them.
+pub(crate) const METHOD_ARGUMENTS: [&str; 6] = ["method", "scale", "preset", "seed", "boundary", "settings"];
+
+/// A method, one of its presets, and what differs from it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Chosen {
+    pub(crate) method: Method,
+    pub(crate) preset: String,
+    pub(crate) overrides: Map<String, Value>,
+}
+
+impl MethodArguments {
+    /// What was chosen; each name and value is checked against the method's description.
+    pub(crate) fn chosen(&self) -> Result<Chosen, Failure> {
+        let usage = |error: ParameterError| Failure::Usage(error.to_string());
+        let method = self.method.as_deref().map_or(Ok(Method::default()), Method::from_name).map_err(usage)?;
+        let description = method.definition().describe();
+        let first = description.presets.first().map_or("", |preset| preset.name);
+        let preset = self.preset.as_deref().unwrap_or(first).to_owned();
+        method.check_preset(&preset).map_err(usage)?;
+        let mut overrides = Map::new();
+        let mut set = |name: &str, value: Value| -> Result<(), Failure> {
+            let parameter = description.parameter(name).ok_or_else(|| unknown(&description, name))?;
+            overrides.insert(name.to_owned(), parameter.check(&value).map_err(usage)?);
+            Ok(())
         };
-        *field = if field.is_string() { Value::String(text.clone()) } else { number(name, text)? };
-        // Numbers are checked by now; what is left are words that are not among the choices.
-        parameters = serde_json::from_value(fields)
-            .map_err(|error| Failure::Usage(format!("parameter '{name}' is {text:?}: {error}")))?;
+        if let Some([width, height]) = self.scale {
+            set("expansion-x", width.into())?;
+            set("expansion-y", height.into())?;
+        }
+        if let Some(seed) = self.seed {
+            set("seed", seed.into())?;
+        }
+        if let Some(boundary) = self.boundary {
+            set("boundary", Boundary::from(boundary).name().into())?;
+        }
+        for (name, text) in &self.settings {
+            let parameter = description.parameter(name).ok_or_else(|| unknown(&description, name))?;
+            set(name, parameter.parse(text).map_err(usage)?)?;
+        }
+        Ok(Chosen { method, preset, overrides })
     }
-    Ok(parameters)
 }
 
-/// A number of the parameter's range, whole where it must be.
-fn number(name: &str, text: &str) -> Result<Value, Failure> {
-    let refuse = |error: ParameterError| Err(Failure::Usage(error.to_string()));
-    let value: f64 =
-        text.parse().map_err(|_| Failure::Usage(format!("parameter '{name}' is {text:?}, but must be a number")))?;
-    if let Some(range) = Parameters::RANGES.iter().find(|range| range.name == name) {
-        if !(value >= range.min && value <= range.max) {
-            return refuse(ParameterError::Range { name: range.name, value, min: range.min, max: range.max });
-        }
-        if range.whole {
-            if value.fract() != 0.0 {
-                return refuse(ParameterError::NotWhole { name: range.name, value });
-            }
-            // In range, hence exact in both.
-            return Ok(Value::from(value as u64));
-        }
-    }
-    Ok(Value::from(value))
+fn unknown(description: &Description, name: &str) -> Failure {
+    let mut known: Vec<&str> = description.parameters.iter().map(|parameter| parameter.name).collect();
+    known.sort_unstable();
+    Failure::Usage(ParameterError::Unknown { name: name.to_owned(), known: known.join(", ") }.to_string())
 }
 
-/// The names, ranges and meanings of all numeric parameters, for the help.
+/// The methods with their words.
+fn methods() -> PossibleValuesParser {
+    let value = |&method: &Method| {
+        let description = method.definition().describe();
+        PossibleValue::new(description.name).help(description.meaning)
+    };
+    PossibleValuesParser::new(Method::ALL.iter().map(value).collect::<Vec<_>>())
+}
+
+/// The presets of all methods with their words; one that several methods have stands there once.
+fn presets() -> PossibleValuesParser {
+    let mut values: Vec<PossibleValue> = Vec::new();
+    for preset in Method::ALL.iter().flat_map(|method| method.definition().describe().presets) {
+        if values.iter().all(|value| value.get_name() != preset.name) {
+            values.push(PossibleValue::new(preset.name).help(preset.meaning));
+        }
+    }
+    PossibleValuesParser::new(values)
+}
+
+/// The names, values and meanings of all parameters of all methods, for the help.
 pub(crate) fn describe_parameters() -> String {
-    let defaults = Preset::ALL.map(|preset| serde_json::to_value(Parameters::preset(preset)).unwrap_or_default());
-    let mut text =
-        String::from("Parameters for --set, with their range and what fast, balanced, best and paper use:\n");
-    for range in Parameters::RANGES {
-        let values: Vec<String> = defaults.iter().map(|fields| fields[range.name].to_string()).collect();
+    Method::ALL.iter().map(|method| describe_method(&method.definition().describe())).collect()
+}
+
+fn describe_method(description: &Description) -> String {
+    let presets: Vec<&str> = description.presets.iter().map(|preset| preset.name).collect();
+    let mut text = format!(
+        "Parameters of '{}' for --set, with what they may be and what {} uses:\n",
+        description.name,
+        presets.join(", ")
+    );
+    for parameter in description.parameters {
+        let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let values: Vec<String> =
+            description.presets.iter().map(|preset| word(&preset.parameters[parameter.name])).collect();
         let values =
             if values.iter().all(|value| *value == values[0]) { values[0].clone() } else { values.join(" / ") };
-        text.push_str(&format!(
-            "  {} [{} to {}; {values}]\n      {}\n",
-            range.name, range.min, range.max, range.meaning
-        ));
+        let allowed = match parameter.kind {
+            Kind::Number { min, max, .. } => format!("{min} to {max}"),
+            Kind::Choice(choices) => choices.iter().map(|choice| choice.name).collect::<Vec<_>>().join(", "),
+        };
+        text.push_str(&format!("  {} [{allowed}; {values}]\n      {}\n", parameter.name, parameter.meaning));
     }
-    text.push_str(
-        "  boundary [open, periodic]\n  start [poisson-disk, white-noise]\n  learning-rate-unit [output-side, sigma]\n  \
-         class-order [file, largest-first, most-first]\n  class-maps [pooled, separate, each]\n",
-    );
     text
 }
 
@@ -147,22 +186,37 @@ pub(crate) fn describe_parameters() -> String {
 mod tests {
     use super::*;
 
-    fn set(name: &str, value: &str) -> Result<Parameters, String> {
-        apply(Parameters::preset(Preset::Fast), &[(name.to_owned(), value.to_owned())])
-            .map_err(|error| error.to_string())
+    /// What comes of one `--set`.
+    fn set(name: &str, value: &str) -> Result<Value, String> {
+        let arguments = MethodArguments {
+            method: None,
+            scale: None,
+            preset: None,
+            seed: None,
+            boundary: None,
+            settings: vec![(name.to_owned(), value.to_owned())],
+        };
+        let chosen = arguments.chosen().map_err(|error| error.to_string())?;
+        Ok(chosen.overrides.get(name).cloned().unwrap_or_default())
     }
 
     #[test]
     fn every_parameter_can_be_set() {
-        for range in Parameters::RANGES {
-            for value in [range.min, range.max] {
-                let changed =
-                    set(range.name, &value.to_string()).map(|parameters| serde_json::to_value(parameters).ok());
-                let stored = changed.ok().flatten().and_then(|fields| fields[range.name].as_f64());
-                assert_eq!(stored, Some(value), "{}", range.name);
+        for parameter in Method::default().definition().describe().parameters {
+            match parameter.kind {
+                Kind::Number { min, max, .. } => {
+                    for value in [min, max] {
+                        let stored = set(parameter.name, &value.to_string()).map(|stored| stored.as_f64());
+                        assert_eq!(stored, Ok(Some(value)), "{}", parameter.name);
+                    }
+                }
+                Kind::Choice(choices) => {
+                    for choice in choices {
+                        assert_eq!(set(parameter.name, choice.name), Ok(Value::from(choice.name)));
+                    }
+                }
             }
         }
-        assert_eq!(set("boundary", "periodic").map(|parameters| parameters.boundary), Ok(Boundary::Periodic));
     }
 
     #[test]
@@ -174,13 +228,23 @@ mod tests {
             ("channels", "many", "\"many\", but must be a number"),
             ("frequency", "NaN", "between 0 and 16"),
             ("seed", "-1", "between 0"),
-            ("start", "grid", "unknown variant `grid`"),
-            ("class-order", "a-first", "`file`, `largest-first`, `most-first`"),
-            ("class-maps", "own", "`pooled`, `separate`, `each`"),
+            ("start", "grid", "\"grid\", but must be one of poisson-disk, white-noise"),
+            ("class-order", "a-first", "file, largest-first, most-first"),
+            ("class-maps", "own", "pooled, separate, each"),
         ] {
             let message = set(name, value).err().unwrap_or_default();
             assert!(message.contains(words), "{name}={value} says {message:?}");
         }
+    }
+
+    #[test]
+    fn the_help_lists_every_parameter_once() {
+        let help = describe_parameters();
+        for parameter in Method::default().definition().describe().parameters {
+            assert_eq!(help.matches(&format!("  {} [", parameter.name)).count(), 1, "{}", parameter.name);
+        }
+        assert!(help.contains("  channels [4 to 160; 32 / 32 / 48 / 120]\n      Random filters"), "{help}");
+        assert!(help.contains("  boundary [open, periodic; open]"), "{help}");
     }
 
     #[test]

@@ -8,14 +8,14 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use pointweave::Domain;
 use pointweave::formats::{self, Project, ReadOptions};
-use pointweave::method::{Parameters, Preset};
-use pointweave::synthesis::{Event, Synthesis, SynthesisError, SynthesisState};
+use pointweave::methods;
+use pointweave::run::{Event, Plan, Run, RunError, StateTag};
 
 use crate::device::{self, DEVICE_MEMORY, EngineArgument};
 use crate::failure::Failure;
 use crate::files::{self, Format, LookArguments, Output};
 use crate::memory;
-use crate::settings::{self, BoundaryArgument, PresetArgument};
+use crate::settings::{self, BoundaryArgument, Chosen, METHOD_ARGUMENTS, MethodArguments};
 
 /// Most bytes of a saved state: the largest exemplar and output as JSON take a tenth of it.
 const MAX_STATE_BYTES: u64 = 200_000_000;
@@ -47,27 +47,14 @@ pub(crate) struct SynthArguments {
     #[command(flatten)]
     look: LookArguments,
 
-    /// Size of the result in sizes of the exemplar: one number, or width x height as in 2x3 [default: 2]
-    #[arg(long, value_name = "N|WxH", value_parser = settings::parse_scale)]
-    scale: Option<[f64; 2]>,
-    /// Trade time for fidelity [default: fast]
-    #[arg(long, value_enum)]
-    preset: Option<PresetArgument>,
-    /// Same seed, same result [default: 1]
-    #[arg(long)]
-    seed: Option<u64>,
-    /// What lies beyond the border of the result [default: the same as beyond the exemplar's]
-    #[arg(long, value_enum)]
-    boundary: Option<BoundaryArgument>,
+    #[command(flatten)]
+    chosen: MethodArguments,
     /// The rectangle the exemplar's points were cut from
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = settings::parse_domain)]
     domain: Option<Domain>,
     /// What lies beyond the border of the exemplar [default: what the file declares, else open]
     #[arg(long, value_enum)]
     exemplar_boundary: Option<BoundaryArgument>,
-    /// Change any parameter, as in --set channels=32; may be repeated (list below)
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = settings::parse_setting)]
-    settings: Vec<(String, String)>,
 
     /// What computes
     #[arg(long, value_enum, default_value_t)]
@@ -85,8 +72,8 @@ pub(crate) struct SynthArguments {
     #[arg(long, value_name = "FILE")]
     save_state: Option<PathBuf>,
     /// Continue a saved run or the playground's project, exemplar and parameters included
-    #[arg(long, value_name = "FILE", conflicts_with_all =
-        ["input", "scale", "preset", "seed", "boundary", "domain", "exemplar_boundary", "settings"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = METHOD_ARGUMENTS)]
+    #[arg(conflicts_with_all = ["input", "domain", "exemplar_boundary"])]
     resume: Option<PathBuf>,
     /// No progress bar
     #[arg(short, long)]
@@ -122,27 +109,26 @@ pub(crate) fn run(arguments: SynthArguments) -> Result<(), Failure> {
     let memory_limit = arguments.max_memory.map_or_else(memory::default_limit, |megabytes| megabytes * 1_000_000);
 
     let started = Instant::now();
-    let mut synthesis = begin(&arguments, memory_limit)?;
-    arguments.look.check(synthesis.exemplar())?;
+    let mut run = begin(&arguments, memory_limit)?;
+    arguments.look.check(run.canvas().exemplar())?;
     let speaking = !arguments.quiet && stderr().is_terminal();
     let gpu = device::choose(arguments.engine)?;
-    synthesis.use_gpu(gpu, DEVICE_MEMORY);
+    run.use_gpu(gpu, DEVICE_MEMORY);
     let bar = progress_bar(speaking);
     // On a thread of the pool: from outside it, each of the thirty loops of an iteration would wait for another thread to
     // wake up, a seventh of the time of a small run.
-    let outcome = rayon::scope(|_| advance(&mut synthesis, &arguments, &bar));
+    let outcome = rayon::scope(|_| advance(run.as_mut(), &arguments, &bar));
     bar.finish_and_clear();
     outcome.map_err(|error| Failure::Run(error.to_string()))?;
 
-    let pattern = synthesis.output().map_err(|error| Failure::Run(error.to_string()))?;
+    let pattern = run.canvas().pattern().map_err(|error| Failure::Run(error.to_string()))?;
     if let Some(path) = &arguments.save_state {
-        let state = serde_json::to_vec(&synthesis.state())
-            .map_err(|error| Failure::Run(format!("the state can't be saved: {error}")))?;
-        files::write_file(path, &state)?;
+        let state = run.state().map_err(|error| Failure::Run(format!("the state can't be saved: {error}")))?;
+        files::write_file(path, state.as_bytes())?;
     }
     output.write(&pattern, &format!("{} points, synthesised by Pointweave", pattern.len()))?;
     if speaking {
-        let (iterations, time) = (synthesis.progress().total_iterations, started.elapsed().as_secs_f64());
+        let (iterations, time) = (run.progress().total_iterations, started.elapsed().as_secs_f64());
         eprintln!("{} points after {iterations} iterations in {time:.1} s: {}", pattern.len(), output.name());
     }
     Ok(())
@@ -157,82 +143,67 @@ pub(crate) fn use_threads(threads: u16) -> Result<(), Failure> {
 }
 
 /// A new run, or the saved one.
-fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<Synthesis, Failure> {
-    let refused = |error: SynthesisError| match error {
-        SynthesisError::Parameter(error) => Failure::Usage(error.to_string()),
-        other => Failure::Run(other.to_string()),
-    };
+fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<Box<dyn Run>, Failure> {
     if let Some(path) = &arguments.resume {
-        let state = read_state(path)?;
         // Its parameters come from a file, so a wrong one is no fault of the command line.
-        return Synthesis::resume(state, memory_limit)
+        return methods::resume(&read_state(path)?, memory_limit)
             .map_err(|error| Failure::Run(format!("'{}' can't be continued: {error}", path.display())));
     }
     let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
     // Without --resume the parser makes sure that there is an input.
     let input = arguments.input.as_deref().unwrap_or(Path::new("-"));
-    let preset = arguments.preset.map_or(Preset::Fast, Preset::from);
-    let chosen = |mut parameters: Parameters| {
-        if let Some([width, height]) = arguments.scale {
-            (parameters.expansion_x, parameters.expansion_y) = (width, height);
-        }
-        parameters.seed = arguments.seed.unwrap_or(parameters.seed);
-        parameters.boundary = arguments.boundary.map_or(parameters.boundary, Into::into);
-        let parameters = settings::apply(parameters, &arguments.settings)?;
-        parameters.validate().map_err(|error| Failure::Usage(error.to_string()))?;
-        Ok::<Parameters, Failure>(parameters)
-    };
     // Checked before the input is read: a wrong command line is told first.
-    chosen(Parameters::preset(preset))?;
-
+    let Chosen { method, preset, overrides } = arguments.chosen.chosen()?;
     let exemplar = files::read_pattern(input, &options)?;
-    let parameters = chosen(Parameters::suited_to(preset, &exemplar))?;
-    Synthesis::new(exemplar, parameters, memory_limit).map_err(refused)
+    method.start(Plan { exemplar, preset, overrides }, memory_limit).map_err(|error| match error {
+        RunError::Parameter(error) => Failure::Usage(error.to_string()),
+        other => Failure::Run(other.to_string()),
+    })
 }
 
-fn read_state(path: &Path) -> Result<SynthesisState, Failure> {
+/// The text of a saved state, or of the one in a project.
+fn read_state(path: &Path) -> Result<String, Failure> {
     let bytes = files::read_bytes(path, MAX_STATE_BYTES + 1)?;
     if bytes.len() as u64 > MAX_STATE_BYTES {
         return Err(Failure::Run(format!("'{}' has more than {MAX_STATE_BYTES} bytes", path.display())));
     }
-    serde_json::from_slice(&bytes).or_else(|error| {
-        // A project holds the state beside other things.
-        let project = formats::open(&bytes, None, &ReadOptions::default()).ok().and_then(|reading| reading.project);
-        let outcome = match project {
-            None => Err(error.to_string()),
-            Some(Project { state: None, .. }) => Err("the project holds no run".to_owned()),
-            Some(Project { state: Some(state), .. }) => serde_json::from_str(&state).map_err(|error| error.to_string()),
-        };
-        outcome.map_err(|error| Failure::Run(format!("'{}' is not a saved state: {error}", path.display())))
-    })
+    let refuse = |reason: String| Err(Failure::Run(format!("'{}' is not a saved state: {reason}", path.display())));
+    match formats::open(&bytes, None, &ReadOptions::default()).ok().and_then(|reading| reading.project) {
+        Some(Project { state: Some(state), .. }) => Ok(state),
+        Some(Project { state: None, .. }) => refuse("the project holds no run".to_owned()),
+        None => match String::from_utf8(bytes) {
+            Ok(text) => StateTag::of(&text).map_or_else(|error| refuse(error.to_string()), |_| Ok(text)),
+            Err(error) => refuse(error.to_string()),
+        },
+    }
 }
 
 /// Drives the run to its end, or to the most iterations asked for.
-fn advance(synthesis: &mut Synthesis, arguments: &SynthArguments, bar: &ProgressBar) -> Result<(), SynthesisError> {
-    let left = |synthesis: &Synthesis| match arguments.max_iterations {
-        Some(max) => u32::try_from(max.saturating_sub(synthesis.progress().total_iterations)).unwrap_or(u32::MAX),
+fn advance(run: &mut dyn Run, arguments: &SynthArguments, bar: &ProgressBar) -> Result<(), RunError> {
+    let left = |run: &dyn Run| match arguments.max_iterations {
+        Some(max) => u32::try_from(max.saturating_sub(run.progress().total_iterations)).unwrap_or(u32::MAX),
         None => u32::MAX,
     };
     let mut devices_lost = 0;
-    while left(synthesis) > 0 {
-        match synthesis.advance_by(left(synthesis))? {
+    while left(run) > 0 {
+        match run.advance_by(left(run))? {
             Event::Working => bar.tick(),
-            Event::Waiting => synthesis.wait(),
+            Event::Waiting => run.wait(),
             Event::EngineChanged { reason } => {
                 // A device may be lost to a passing fault, a second one hardly.
                 devices_lost += 1;
                 let again = if devices_lost == 1 { device::open().ok() } else { None };
                 let on = if again.is_some() { "a fresh device" } else { "the processor" };
                 bar.suspend(|| eprintln!("pointweave: {reason}; going on with {on}"));
-                synthesis.use_gpu(again, DEVICE_MEMORY);
+                run.use_gpu(again, DEVICE_MEMORY);
             }
             Event::ScaleStarted { progress, .. } | Event::ScaleFinished { progress, .. } => {
                 bar.set_position((progress.done * PROGRESS_STEPS) as u64);
             }
-            Event::Iterated { progress, loss } => {
+            Event::Iterated { progress, losses } => {
                 bar.set_position((progress.done * PROGRESS_STEPS) as u64);
                 let class = if progress.classes > 1 {
-                    let name = &synthesis.exemplar().class_names()[progress.class];
+                    let name = &run.canvas().exemplar().class_names()[progress.class];
                     format!("class {}/{} ({name}), ", progress.turn + 1, progress.classes)
                 } else {
                     String::new()
@@ -243,7 +214,7 @@ fn advance(synthesis: &mut Synthesis, arguments: &SynthArguments, bar: &Progress
                     progress.scales,
                     progress.iteration,
                     progress.iterations,
-                    loss.total()
+                    losses.total()
                 ));
             }
             Event::Finished => break,

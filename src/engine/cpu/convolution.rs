@@ -17,7 +17,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "the index runs over several arrays at once, as in the formulas")]
 
-use crate::domain::Boundary;
+use crate::pattern::Boundary;
 
 use super::lanes::{self, Kernel, LANES, Lanes, padded};
 use super::product::{self, LINE, Lines, PIECE, Pieces, ROWS};

@@ -15,8 +15,8 @@ use rustfft::algorithm::{BluesteinsAlgorithm, Radix4};
 use rustfft::num_complex::Complex;
 use rustfft::{Direction, Fft, FftDirection, Length};
 
-use crate::domain::Boundary;
 use crate::engine::view::{Lags, Region};
+use crate::pattern::Boundary;
 
 use super::normalization::Statistics;
 use super::real::Real;

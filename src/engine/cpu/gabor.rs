@@ -12,10 +12,10 @@
 
 use glam::DVec2;
 
-use crate::domain::Boundary;
+use crate::engine::filters::DISTINCT_MAPS as MAPS;
 use crate::engine::view::{Grid, Wave, window};
-use crate::method::filters::DISTINCT_MAPS as MAPS;
-use crate::method::{Bands, Weights};
+use crate::engine::{Bands, Weights};
+use crate::pattern::Boundary;
 
 use super::lanes::{self, Kernel, LANES, padded};
 use super::real::Real;

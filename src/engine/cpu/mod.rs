@@ -19,10 +19,10 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::domain::keep_inside;
+use crate::engine::FilterBank;
 use crate::engine::view::Stage;
 use crate::engine::{Advance, ScaleSetup};
-use crate::method::FilterBank;
+use crate::pattern::keep_inside;
 use crate::sampling::{Purpose, Rng};
 
 use adam::Adam;

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::domain::Boundary;
+use crate::engine::LossTerms;
+use crate::engine::filters::{FilterBank, LAYERS, STRIDES};
 use crate::engine::view::{GRAM_LAYERS, Grid, Lags, Region, Stage, View, boundary_of_lags, image_sizes};
-use crate::method::filters::{FilterBank, LAYERS, STRIDES};
-use crate::method::{Bands, Weights};
-use crate::synthesis::LossTerms;
+use crate::engine::{Bands, Weights};
+use crate::pattern::Boundary;
 
 use super::convolution::{Convolution, Direction, Filters, Geometry, Source, Tile, Workspace};
 use super::correlation::Correlation;

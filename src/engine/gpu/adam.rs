@@ -7,9 +7,9 @@ use super::device::Gpu;
 use super::gram::Gram;
 use super::kernel::{Dispatch, Shader};
 use super::network::Io;
-use crate::domain::Boundary;
 use crate::engine::ScaleSetup;
 use crate::engine::view::Stage;
+use crate::pattern::Boundary;
 
 /// As in `loss.wgsl`.
 #[repr(C)]

@@ -5,10 +5,10 @@ use bytemuck::{Pod, Zeroable};
 use super::device::Gpu;
 use super::kernel::{Dispatch, Kernel, Shader};
 use super::plan::{TILE, spectrum_len};
-use crate::domain::Boundary;
 use crate::engine::cpu::convolution::{Direction, Filters, Geometry, KERNEL};
 use crate::engine::cpu::lanes::padded;
 use crate::engine::view::Stage;
+use crate::pattern::Boundary;
 
 /// As in the shader.
 #[repr(C)]

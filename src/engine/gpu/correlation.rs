@@ -5,9 +5,9 @@ use bytemuck::{Pod, Zeroable};
 use super::device::Gpu;
 use super::kernel::{Dispatch, Shader};
 use super::plan::Need;
-use crate::domain::Boundary;
 use crate::engine::ScaleSetup;
 use crate::engine::view::{Lags, Region, Stage, View, boundary_of_lags, image_sizes};
+use crate::pattern::Boundary;
 
 /// As in the shader.
 #[repr(C)]

@@ -6,10 +6,10 @@ use super::device::Gpu;
 use super::kernel::{Dispatch, Shader, folded};
 use super::network::Io;
 use super::plan::Need;
-use crate::domain::Boundary;
 use crate::engine::cpu::lanes::padded;
 use crate::engine::view::{Stage, View, window};
-use crate::method::{Bands, Weights};
+use crate::engine::{Bands, Weights};
+use crate::pattern::Boundary;
 
 /// As in the shader.
 #[repr(C)]

@@ -36,10 +36,10 @@ use std::sync::{Arc, Mutex};
 use glam::DVec2;
 use web_time::Instant;
 
+use crate::engine::LossTerms;
 use crate::engine::cpu;
 use crate::engine::cpu::adam::{Adam, correction};
 use crate::engine::{Advance, ScaleSetup};
-use crate::synthesis::LossTerms;
 
 pub use device::{DeviceInfo, Gpu, GpuError, OpenOptions, Report, list};
 pub use kernel::Shader;

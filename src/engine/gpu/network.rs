@@ -15,9 +15,9 @@ use crate::engine::ScaleSetup;
 use crate::engine::cpu::convolution::Direction;
 use crate::engine::cpu::lanes::padded;
 use crate::engine::cpu::network::geometries;
+use crate::engine::filters::LAYERS;
 use crate::engine::view::{GRAM_LAYERS, View, image_sizes};
-use crate::method::filters::LAYERS;
-use crate::method::{Bands, FilterBank};
+use crate::engine::{Bands, FilterBank};
 
 /// Most iterations between two looks at the results: convergence is tested every ten.
 pub(super) const LONGEST_BATCH: usize = 10;

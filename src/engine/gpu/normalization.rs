@@ -5,8 +5,8 @@ use bytemuck::{Pod, Zeroable};
 use super::device::Gpu;
 use super::kernel::{Dispatch, Shader, folded};
 use super::plan::Need;
+use crate::engine::filters::LAYERS;
 use crate::engine::view::{Region, Stage, View, image_sizes};
-use crate::method::filters::LAYERS;
 
 /// As in the shader.
 #[repr(C)]

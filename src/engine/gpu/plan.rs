@@ -1,13 +1,13 @@
 //! What a run allocates on the device, worked out before anything is.
 
 use super::device::GpuError;
+use crate::engine::Bands;
 use crate::engine::ScaleSetup;
 use crate::engine::cpu::convolution::{Geometry, Tile};
 use crate::engine::cpu::lanes::padded;
 use crate::engine::cpu::network::geometries;
+use crate::engine::filters::LAYERS;
 use crate::engine::view::View;
-use crate::method::Bands;
-use crate::method::filters::LAYERS;
 
 use super::{correlation, gabor, gram, network, normalization};
 

@@ -13,15 +13,13 @@ use super::kernel::Dispatch;
 use super::network::{Evaluation, GpuNetwork, Io};
 use super::plan::Plan;
 use super::{Feeder, Readback, allowance, numbers, singles, terms};
-use crate::domain::Boundary;
-use crate::engine::ScaleSetup;
 use crate::engine::cpu::adam::{Adam, correction};
 use crate::engine::cpu::lanes::{LANES, padded};
 use crate::engine::cpu::network as cpu;
 use crate::engine::cpu::{Float, shifts};
 use crate::engine::view::Stage;
-use crate::method::schedule::Scale;
-use crate::method::{Bands, FilterBank, Parameters, Preset, Weights};
+use crate::engine::{Bands, FilterBank, ScaleSettings, ScaleSetup, Weights};
+use crate::pattern::Boundary;
 use crate::sampling::{Purpose, Rng, white_noise};
 
 /// Sums of a few thousand products in single precision, in another order and with exponentials good to a few digits
@@ -74,14 +72,25 @@ impl Case {
     }
 
     fn setup(&self) -> ScaleSetup {
-        let parameters = Parameters { boundary: self.boundary, margin_sigmas: 1.0, ..Parameters::preset(Preset::Fast) };
-        let scale = Scale { sigma: 0.1, resolution: self.resolution as f64, learning_rate: 0.01, iterations: 10 };
+        let settings = ScaleSettings {
+            boundary: self.boundary,
+            sigma: 0.1,
+            frequency: 1.5,
+            resolution: self.resolution as f64,
+            margin_sigmas: 1.0,
+            weights: [0.08, 1.0],
+            learning_rate: 0.01,
+            jitter_px: 1.0,
+            seed: 1,
+            class: 0,
+            scale: 0,
+        };
         let exemplar = white_noise(&mut Rng::new(7, Purpose::Gallery), DVec2::ONE, self.points);
         let output = DVec2::from(self.output);
         ScaleSetup {
             exemplar_weights: self.weights(self.points),
             output_weights: self.weights(self.count()),
-            ..ScaleSetup::new(&parameters, &scale, (0, 0), exemplar, DVec2::ONE, self.boundary, output)
+            ..ScaleSetup::new(&settings, exemplar, DVec2::ONE, self.boundary, output)
         }
     }
 }
@@ -285,7 +294,7 @@ pub async fn compare(gpu: &Arc<Gpu>, case: Case) -> Result<Vec<Deviation>, GpuEr
     found.push(Deviation::new("gradient of the points", &ours, twin, BACKWARD));
     let device_loss = terms(&read(gpu, &io.losses, 4).await?);
     let loss = output.loss();
-    let both = |loss: &crate::synthesis::LossTerms| [loss.gram[0], loss.gram[1], loss.gram[2], loss.correlation];
+    let both = |loss: &crate::engine::LossTerms| [loss.gram[0], loss.gram[1], loss.gram[2], loss.correlation];
     let ours = both(&device_loss).map(|value| value as f32);
     found.push(Deviation::new("loss", &ours, both(&loss), FORWARD));
 
@@ -296,7 +305,7 @@ pub async fn compare(gpu: &Arc<Gpu>, case: Case) -> Result<Vec<Deviation>, GpuEr
     let mut moved = points[first..].to_vec();
     adam.step(&mut moved, &device_gradients, setup.learning_rate);
     for point in &mut moved {
-        *point = crate::domain::keep_inside(*point, setup.output_size, boundary);
+        *point = crate::pattern::keep_inside(*point, setup.output_size, boundary);
     }
     let before = points.iter().flat_map(|point| point.to_array());
     let after = points[..first].iter().chain(&moved).flat_map(|point| point.to_array());

@@ -9,10 +9,10 @@ use web_time::Instant;
 use super::device::{Gpu, GpuError};
 use super::kernel::{Dispatch, Shader};
 use super::{Feeder, GpuEngine, Phase};
-use crate::domain::Boundary;
 use crate::engine::cpu::convolution::{Geometry, KERNEL};
 use crate::engine::cpu::lanes::padded;
 use crate::engine::view::Stage;
+use crate::pattern::Boundary;
 
 /// What the stages of one iteration take.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,8 +6,7 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 
 use super::LinkError;
 use super::bits::{BitReader, BitWriter};
-use crate::domain::Domain;
-use crate::pattern::{Attribute, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, PointPattern};
+use crate::pattern::{Attribute, Domain, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, PointPattern};
 use crate::sorting;
 
 /// Most bytes the points may inflate to: 16 bytes a point with eight attributes, and what names and lists take.
