@@ -1,4 +1,4 @@
-//! *Holes* a little larger than the exemplar's are drawn together: no point is missing there, its neighbours only stand
+//! *Holes* a little larger than the exemplar's are shrunk: no point is missing there, the points around them only stand
 //! too far apart.
 
 use glam::DVec2;
@@ -7,15 +7,15 @@ use super::arrangement::{Arrangement, HOLE, Limits};
 use crate::analysis::largest_empty_circle;
 use crate::pattern::keep_inside;
 
-/// Points are drawn into a hole a little farther than it needs, or the last of it would take for ever.
-const DRAWN: f64 = 0.99;
+/// Points move into a hole a little farther than it needs, or the last of it would take for ever.
+const HOLE_TARGET: f64 = 0.99;
 /// Points this many radii from the middle of a hole are still its rim.
 const RIM: f64 = 1.05;
 
-/// Draws the rim of the largest hole towards its middle if the exemplar has none as large; says whether it did. No point
+/// Moves the rim of the largest hole towards its middle if the exemplar has none as large; says whether it did. No point
 /// is missing there, they only stand a little too far apart, and a whole one more would leave a hole elsewhere. Frozen
 /// ones stay.
-pub fn narrow_hole(points: &mut [DVec2], arrangement: Arrangement<'_>, limits: Limits) -> bool {
+pub fn shrink_hole(points: &mut [DVec2], arrangement: Arrangement<'_>, limits: Limits) -> bool {
     let Some(cloud) = arrangement.cloud(points) else { return false };
     let hole = largest_empty_circle(&cloud);
     let radius = HOLE * limits.hole;
@@ -30,7 +30,7 @@ pub fn narrow_hole(points: &mut [DVec2], arrangement: Arrangement<'_>, limits: L
     for point in rim {
         let length = point.distance_squared.sqrt();
         if point.index >= arrangement.first && length < RIM * hole.radius {
-            let place = middle + point.offset * (DRAWN * radius / length);
+            let place = middle + point.offset * (HOLE_TARGET * radius / length);
             points[point.index] = keep_inside(place, arrangement.size, arrangement.boundary);
             drawn = true;
         }
@@ -60,7 +60,7 @@ mod tests {
         assert!(hole(&wide) > HOLE, "{}", hole(&wide));
         let mut narrowed = wide.clone();
         let mut rounds = 0;
-        while narrow_hole(&mut narrowed, lattice(0), limits) {
+        while shrink_hole(&mut narrowed, lattice(0), limits) {
             keep_apart(&mut narrowed, lattice(0), Room { distance: 0.8 * limits.distance, ..Room::default() });
             rounds += 1;
             assert!(rounds < 20, "{}", hole(&narrowed));
@@ -73,8 +73,8 @@ mod tests {
         }
         // What is as it should be is left alone, and so is what may not move.
         let mut same = whole.clone();
-        assert!(!narrow_hole(&mut same, lattice(0), limits) && same == whole);
+        assert!(!shrink_hole(&mut same, lattice(0), limits) && same == whole);
         let mut frozen = wide.clone();
-        assert!(!narrow_hole(&mut frozen, lattice(36), limits) && frozen == wide);
+        assert!(!shrink_hole(&mut frozen, lattice(36), limits) && frozen == wide);
     }
 }

@@ -1,11 +1,15 @@
 //! An analysis as a picture: patterns, curves, maps and words on one SVG page.
 
+mod maps;
 mod marks;
+mod panels;
 
 use std::fmt::Write as _;
 
 use glam::DVec2;
 use thiserror::Error;
+
+use self::panels::{Curve, Panel, Room};
 
 use super::PngError;
 use super::png::encode_rgba;
@@ -129,33 +133,6 @@ fn has_radius(pattern: &PointPattern) -> bool {
 struct Page {
     svg: String,
     y: f64,
-}
-
-/// One line of a curve panel.
-struct Curve<'a> {
-    x: Vec<f64>,
-    y: &'a [f64],
-    color: Color,
-    /// The exemplar lies below, broad; the output above, narrow: both are seen where they agree.
-    width: f64,
-}
-
-/// Where a panel stands, labels included but not the line of its title.
-struct Room {
-    left: f64,
-    width: f64,
-    /// Of the curves.
-    height: f64,
-}
-
-/// A panel with axes.
-struct Panel {
-    min: DVec2,
-    size: DVec2,
-    x: [f64; 2],
-    y: [f64; 2],
-    /// Whether y is drawn by its logarithm.
-    log: bool,
 }
 
 impl Page {
@@ -518,207 +495,6 @@ impl Page {
         self.y += CURVE_HEIGHT + GAP + 34.0;
     }
 
-    /// Axes, grid and labels in the left (0) or right (1) half.
-    #[expect(clippy::too_many_arguments, reason = "one call says all there is to say about a panel")]
-    fn panel(
-        &mut self,
-        column: usize,
-        title: &str,
-        across: &str,
-        up: &str,
-        x: [f64; 2],
-        y: [f64; 2],
-        log: bool,
-    ) -> Panel {
-        let width = (WIDTH - 2.0 * MARGIN - GAP) / 2.0;
-        let room = Room { left: MARGIN + column as f64 * (width + GAP), width, height: CURVE_HEIGHT };
-        self.panel_in(&room, title, across, up, x, y, log)
-    }
-
-    /// Axes, grid and labels anywhere.
-    #[expect(clippy::too_many_arguments, reason = "one call says all there is to say about a panel")]
-    fn panel_in(
-        &mut self,
-        room: &Room,
-        title: &str,
-        across: &str,
-        up: &str,
-        x: [f64; 2],
-        y: [f64; 2],
-        log: bool,
-    ) -> Panel {
-        let labels = 54.0;
-        let min = DVec2::new(room.left + labels, self.y + 16.0);
-        let panel = Panel { min, size: DVec2::new(room.width - labels, room.height), x, y, log };
-        let size = if room.height < CURVE_HEIGHT { 14 } else { 16 };
-        self.text(DVec2::new(room.left, self.y), &format!("font-size=\"{size}\" font-weight=\"600\""), title);
-        let (right, bottom) = (min.x + panel.size.x, min.y + panel.size.y);
-        let quiet = format!("font-size=\"12\" fill=\"{QUIET}\"");
-        for (value, label) in ticks(panel.x, false) {
-            let at = panel.place(value, panel.y[0]);
-            self.line(DVec2::new(at.x, min.y), DVec2::new(at.x, bottom), &format!("stroke=\"{GRID}\""));
-            self.text(DVec2::new(at.x, bottom + 17.0), &format!("text-anchor=\"middle\" {quiet}"), &label);
-        }
-        for (value, label) in ticks(panel.y, log) {
-            let at = panel.place(panel.x[0], value);
-            self.line(at, DVec2::new(right, at.y), &format!("stroke=\"{GRID}\""));
-            self.text(DVec2::new(min.x - 8.0, at.y + 4.0), &format!("text-anchor=\"end\" {quiet}"), &label);
-        }
-        self.line(DVec2::new(min.x, bottom), DVec2::new(right, bottom), "stroke=\"#9aa5b1\"");
-        self.line(min, DVec2::new(min.x, bottom), "stroke=\"#9aa5b1\"");
-        self.text(
-            DVec2::new(min.x + panel.size.x / 2.0, bottom + 36.0),
-            &format!("text-anchor=\"middle\" {quiet}"),
-            across,
-        );
-        let (x, y) = (min.x - labels + 10.0, min.y + panel.size.y / 2.0);
-        let turned = format!("text-anchor=\"middle\" transform=\"rotate(-90 {} {})\" {quiet}", Px(x), Px(y));
-        self.text(DVec2::new(x, y), &turned, up);
-        panel
-    }
-
-    /// The line of chance.
-    fn level(&mut self, panel: &Panel, value: f64) {
-        let from = panel.place(panel.x[0], value);
-        let to = panel.place(panel.x[1], value);
-        self.line(from, to, &format!("stroke=\"{QUIET}\" stroke-dasharray=\"2 4\""));
-    }
-
-    fn curves(&mut self, panel: &Panel, curves: &[Curve<'_>]) {
-        for curve in curves {
-            let inside = curve.x.iter().zip(curve.y).filter(|&(&x, _)| x <= panel.x[1] * (1.0 + 1e-9));
-            let places: Vec<DVec2> = inside.map(|(&x, &y)| panel.place(x, y)).collect();
-            let _ = writeln!(
-                self.svg,
-                "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}/>",
-                listed(&places),
-                curve.color.hex(),
-                curve.width,
-                if curve.width > 3.0 { " stroke-opacity=\"0.55\"" } else { "" }
-            );
-        }
-    }
-
-    fn histogram(&mut self, panel: &Panel, shares: &[f64], width: f64, color: Color, layer: usize) {
-        let mut places = vec![panel.place(0.0, 0.0)];
-        for (i, share) in shares.iter().enumerate() {
-            places.push(panel.place(i as f64 * width, 100.0 * share));
-            places.push(panel.place((i + 1) as f64 * width, 100.0 * share));
-        }
-        places.push(panel.place(shares.len() as f64 * width, 0.0));
-        // The first is filled, the second an outline over it.
-        let (fill, line) = if layer == 0 { ("0.3", 1.0) } else { ("0", 2.0) };
-        let color = color.hex();
-        let _ = writeln!(
-            self.svg,
-            "<polygon points=\"{}\" fill=\"{color}\" fill-opacity=\"{fill}\" stroke=\"{color}\" \
-             stroke-width=\"{line}\" stroke-linejoin=\"round\"/>",
-            listed(&places)
-        );
-    }
-
-    /// Densities of pair differences and periodograms, two or four in a row.
-    fn maps(&mut self, sides: &[Side<'_>], scales: &Scales) -> Result<(), ReportError> {
-        let d = scales.spacing;
-        let mut densities = Vec::new();
-        let mut spectra = Vec::new();
-        for side in sides {
-            densities.push(pair_density(&side.cloud, &scales.pair_density)?);
-            spectra.push(periodogram(&side.cloud, scales.max_frequency)?);
-        }
-        // One scale for both sides, which a few extremes of the exemplar don't decide.
-        let mut values: Vec<f64> = densities[0].within_reach().map(|(_, value)| value).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        let most = quantile(&values, 0.995).max(2.0);
-        let mut values: Vec<f64> = spectra[0].iter().map(|(_, power)| power).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        let strongest = quantile(&values, 0.995).max(10.0);
-
-        let half = (WIDTH - 2.0 * MARGIN - GAP) / 2.0;
-        let room = half - MAP * sides.len() as f64;
-        let gap = if sides.len() > 1 { room / (sides.len() - 1) as f64 } else { 0.0 };
-        let second = MARGIN + half + GAP;
-        let heading = "font-size=\"16\" font-weight=\"600\"";
-        self.text(DVec2::new(MARGIN, self.y), heading, "Where neighbours lie (pair differences)");
-        self.text(DVec2::new(second, self.y), heading, "Periodogram");
-        let top = self.y + 16.0;
-        for (i, side) in sides.iter().enumerate() {
-            let reach = scales.pair_density.reach / d;
-            let min = DVec2::new(MARGIN + i as f64 * (MAP + gap), top);
-            self.image(min, &density_pixels(&densities[i], most))?;
-            self.cross(min, side, &format!("± {reach:.1} d"));
-            let min = DVec2::new(second + i as f64 * (MAP + gap), top);
-            let reach = scales.max_frequency * d;
-            self.image(min, &spectrum_pixels(&spectra[i], strongest))?;
-            self.cross(min, side, &format!("± {reach:.1} / d"));
-        }
-        let bottom = top + MAP + 30.0;
-        self.ramp(
-            DVec2::new(MARGIN, bottom),
-            half,
-            &[(0.0, "0"), (1.0 / most, "1 (chance)"), (1.0, &format!("{most:.1} times chance"))],
-        );
-        let place = |power: f64| log_share(power, strongest);
-        self.ramp(
-            DVec2::new(second, bottom),
-            half,
-            &[(place(LEAST_POWER), "0.1"), (place(1.0), "1 (chance)"), (1.0, &format!("{strongest:.0} times chance"))],
-        );
-        self.y = bottom + 56.0;
-        Ok(())
-    }
-
-    /// The middle, the frame and the caption of a map.
-    fn cross(&mut self, min: DVec2, side: &Side<'_>, reach: &str) {
-        let middle = min + MAP / 2.0;
-        for arm in [DVec2::new(5.0, 0.0), DVec2::new(0.0, 5.0)] {
-            self.line(middle - arm, middle + arm, &format!("stroke=\"{}\" stroke-width=\"1.5\"", PALETTE[1].hex()));
-        }
-        self.rectangle(min, DVec2::splat(MAP), &format!("fill=\"none\" stroke=\"{CHANCE}\""));
-        let below = min.y + MAP + 16.0;
-        let color = format!("font-size=\"12\" font-weight=\"600\" fill=\"{}\"", side.color.hex());
-        self.text(DVec2::new(min.x, below), &color, side.role);
-        let quiet = format!("font-size=\"12\" text-anchor=\"end\" fill=\"{QUIET}\"");
-        self.text(DVec2::new(min.x + MAP, below), &quiet, reach);
-    }
-
-    fn image(&mut self, min: DVec2, image: &Image) -> Result<(), ReportError> {
-        let bytes = encode_rgba(image.width, image.height, &image.pixels)?;
-        let _ = writeln!(
-            self.svg,
-            "<image x=\"{}\" y=\"{}\" width=\"{MAP}\" height=\"{MAP}\" preserveAspectRatio=\"none\" \
-             href=\"data:image/png;base64,{}\"/>",
-            Px(min.x),
-            Px(min.y),
-            base64(&bytes)
-        );
-        Ok(())
-    }
-
-    /// What the colours of a map mean.
-    fn ramp(&mut self, at: DVec2, width: f64, labels: &[(f64, &str)]) {
-        const STEPS: usize = 96;
-        for step in 0..STEPS {
-            let [red, green, blue] = ramp_color(step as f64 / (STEPS - 1) as f64);
-            let min = at + DVec2::new(width * step as f64 / STEPS as f64, 0.0);
-            let fill = format!("fill=\"{}\"", Color::new(red, green, blue).hex());
-            // A hair wider, so that no seam shows between them.
-            self.rectangle(min, DVec2::new(width / STEPS as f64 + 0.6, 9.0), &fill);
-        }
-        self.rectangle(at, DVec2::new(width, 9.0), &format!("fill=\"none\" stroke=\"{CHANCE}\""));
-        for &(share, label) in labels {
-            let x = at.x + width * share;
-            let anchor = match share {
-                share if share < 0.08 => "start",
-                share if share > 0.92 => "end",
-                _ => "middle",
-            };
-            self.line(DVec2::new(x, at.y + 9.0), DVec2::new(x, at.y + 13.0), "stroke=\"#9aa5b1\"");
-            let look = format!("font-size=\"12\" text-anchor=\"{anchor}\" fill=\"{QUIET}\"");
-            self.text(DVec2::new(x, at.y + 26.0), &look, label);
-        }
-    }
-
     fn footer(&mut self, scales: &Scales, sides: &[Side<'_>], comparison: Option<&Comparison>) {
         let unit = comparison.map_or_else(|| exemplar_unit(sides[0].pattern), |comparison| comparison.unit);
         let owner = if comparison.is_some() { "the exemplar’s" } else { "the" };
@@ -741,93 +517,6 @@ impl Page {
             self.y += 17.0;
         }
     }
-}
-
-impl<'a> Curve<'a> {
-    fn new(x: &[f64], unit: f64, y: &'a [f64], color: Color, layer: usize) -> Self {
-        Self { x: x.iter().map(|x| x * unit).collect(), y, color, width: if layer == 0 { 4.5 } else { 2.0 } }
-    }
-}
-
-impl Panel {
-    /// Where a value stands; those beyond the range stand on its end.
-    fn place(&self, x: f64, y: f64) -> DVec2 {
-        let share = |value: f64, [from, to]: [f64; 2]| ((value - from) / (to - from)).clamp(0.0, 1.0);
-        let up = if self.log { share(libm::log10(y.max(1e-300)), self.y.map(libm::log10)) } else { share(y, self.y) };
-        self.min + DVec2::new(share(x, self.x), 1.0 - up) * self.size
-    }
-}
-
-/// Round numbers within a range, and their labels.
-fn ticks([from, to]: [f64; 2], log: bool) -> Vec<(f64, String)> {
-    if log {
-        let first = libm::ceil(libm::log10(from) - 1e-9) as i32;
-        let last = libm::floor(libm::log10(to) + 1e-9) as i32;
-        return (first..=last)
-            .map(|power| {
-                let value = libm::pow(10.0, f64::from(power));
-                (value, format!("{value}"))
-            })
-            .collect();
-    }
-    let rough = ((to - from) / 5.0).max(1e-300);
-    let magnitude = libm::pow(10.0, libm::floor(libm::log10(rough)));
-    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * magnitude).into_iter().find(|&step| step >= rough * 0.999);
-    let step = step.unwrap_or(rough);
-    let decimals = (-libm::floor(libm::log10(step) + 1e-9)).max(0.0) as usize;
-    let first = libm::ceil(from / step - 1e-9) as i64;
-    let last = libm::floor(to / step + 1e-9) as i64;
-    (first..=last)
-        .map(|i| {
-            let label = format!("{:.decimals$}", i as f64 * step);
-            // A minus as wide as the digits.
-            (i as f64 * step, label.replace('-', "−"))
-        })
-        .collect()
-}
-
-/// Pixels, `[height, width, 4]`.
-struct Image {
-    width: u32,
-    height: u32,
-    pixels: Vec<u8>,
-}
-
-fn density_pixels(density: &PairDensity, most: f64) -> Image {
-    let mut pixels = vec![0_u8; 4 * density.values.len()];
-    for (pixel, value) in density.within_reach() {
-        let [red, green, blue] = ramp_color(value / most);
-        pixels[4 * pixel..4 * pixel + 4].copy_from_slice(&[red, green, blue, 255]);
-    }
-    Image { width: density.side as u32, height: density.side as u32, pixels }
-}
-
-/// Power at the light end of the ramp.
-const LEAST_POWER: f64 = 0.1;
-
-fn log_share(power: f64, strongest: f64) -> f64 {
-    let log = |power: f64| libm::log10(power.max(LEAST_POWER) / LEAST_POWER);
-    (log(power) / log(strongest)).clamp(0.0, 1.0)
-}
-
-fn spectrum_pixels(spectrum: &Periodogram, strongest: f64) -> Image {
-    let pixels = spectrum
-        .power
-        .iter()
-        .flat_map(|&power| {
-            let [red, green, blue] = ramp_color(log_share(power, strongest));
-            [red, green, blue, 255]
-        })
-        .collect();
-    Image { width: spectrum.size[0] as u32, height: spectrum.size[1] as u32, pixels }
-}
-
-/// The colour of a share of the ramp.
-fn ramp_color(share: f64) -> [u8; 3] {
-    let place = share.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
-    let at = (place as usize).min(RAMP.len() - 2);
-    let t = place - at as f64;
-    std::array::from_fn(|i| (RAMP[at][i] + (RAMP[at + 1][i] - RAMP[at][i]) * t).round() as u8)
 }
 
 fn listed(places: &[DVec2]) -> String {
@@ -866,39 +555,4 @@ fn shortened(words: &str, width: usize) -> String {
 fn capitalised(word: &str) -> String {
     let mut letters = word.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// RFC 4648, with padding.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for digit in 0..4 {
-            let value = bits >> (18 - 6 * digit) & 63;
-            text.push(if digit > chunk.len() { '=' } else { char::from(DIGITS[value as usize]) });
-        }
-    }
-    text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn base64_is_that_of_the_rfc() {
-        for (plain, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
-            assert_eq!(base64(plain.as_bytes()), coded);
-        }
-    }
-
-    #[test]
-    fn ticks_are_round_and_inside() {
-        let labels = |range, log| ticks(range, log).into_iter().map(|(_, label)| label).collect::<Vec<_>>();
-        assert_eq!(labels([0.0, 2.5], false), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5"]);
-        assert_eq!(labels([-0.3, 0.11], false), ["−0.3", "−0.2", "−0.1", "0.0", "0.1"]);
-        assert_eq!(labels([0.01, 13.0], true), ["0.01", "0.1", "1", "10"]);
-    }
 }

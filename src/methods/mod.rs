@@ -4,6 +4,8 @@
 //! To add a method: write `methods/<name>.rs` or a folder with a [`Definition`] and a [`crate::run::Run`], declare the
 //! module, and add a line to the list.
 
+#[cfg(feature = "pretend-method")]
+pub mod jitter;
 pub mod network;
 
 use serde::{Deserialize, Serialize};
@@ -45,6 +47,7 @@ macro_rules! methods {
 
 methods! {
     Network = "network", network::Network, "Huang et al. 2022: random filters on Gabor maps.";
+    #[cfg(feature = "pretend-method")] Jitter = "jitter", jitter::Jitter, "A pretend method for tests.";
 }
 
 impl Default for Method {

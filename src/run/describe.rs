@@ -70,6 +70,20 @@ pub enum Tool {
     Gpu,
 }
 
+impl Tool {
+    /// Its name in messages.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Move => "move",
+            Self::Pin => "pin",
+            Self::RedoRegion => "redo-region",
+            Self::Continue => "continue",
+            Self::Gpu => "gpu",
+        }
+    }
+}
+
 /// What a run would take, told before it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {

@@ -45,6 +45,14 @@ pub enum RunError {
     /// A saved state that is none.
     #[error("the saved state can't be read: {0}")]
     State(String),
+    /// Something that the method can't do; its description says so.
+    #[error("the method '{method}' can't do this: it has no '{}'", tool.name())]
+    Unsupported {
+        /// What is missing.
+        tool: Tool,
+        /// Name of the method.
+        method: &'static str,
+    },
     /// The method's own reason.
     #[error(transparent)]
     Method(Box<dyn std::error::Error + Send + Sync>),

@@ -147,7 +147,11 @@ fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<Box<dyn Run>, 
     if let Some(path) = &arguments.resume {
         // Its parameters come from a file, so a wrong one is no fault of the command line.
         return methods::resume(&read_state(path)?, memory_limit)
-            .map_err(|error| Failure::Run(format!("'{}' can't be continued: {error}", path.display())));
+            .map_err(|error| match error {
+                RunError::State(reason) => format!("'{}' is not a saved state: {reason}", path.display()),
+                other => format!("'{}' can't be continued: {other}", path.display()),
+            })
+            .map_err(Failure::Run);
     }
     let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
     // Without --resume the parser makes sure that there is an input.

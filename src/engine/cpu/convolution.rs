@@ -14,6 +14,9 @@
 //! `[row of frequencies, tile, eight channels, column of frequencies, re | im, channel]`. Every parallel task thus
 //! writes one contiguous piece; the product finds its left operand as it wants it, and the inverse transform finds a row
 //! of frequencies in one piece.
+//!
+//! Long because: transform, product and inverse share their layouts and are inlined into one another; apart, an iteration
+//! is slower.
 
 #![expect(clippy::needless_range_loop, reason = "the index runs over several arrays at once, as in the formulas")]
 

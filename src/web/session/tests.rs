@@ -346,7 +346,7 @@ fn refusals_say_why_and_leave_the_run_alone() {
         (start(rings(), "perfect", nothing()), "fast, balanced, best, paper"),
         (start(rings(), "fast", json!({ "channels": -3 })), "between 4 and 160"),
         (start(rings(), "fast", json!({ "channels": 4.5 })), "whole number"),
-        (start(rings(), "fast", json!({ "channels": "many" })), "can't be used"),
+        (start(rings(), "fast", json!({ "channels": "many" })), "must be a number"),
         (start(rings(), "fast", json!({ "chanels": 8 })), "chanels"),
         (start(rings(), "fast", json!({ "boundary": "leaky" })), "leaky"),
         (start(rings(), "fast", json!({ "grid-min": 64, "grid-max": 32 })), "'grid-min'"),
