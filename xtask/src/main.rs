@@ -1,5 +1,6 @@
 //! Everything a person does with the repository: build the page, serve it, test, compare, look at the gallery.
 
+mod bench_load;
 mod bench_peer;
 mod bench_web;
 mod offline;
@@ -40,6 +41,8 @@ enum Command {
     BenchPeer(bench_peer::PeerArguments),
     /// Time one iteration in headless Chromium against native code on one thread, turn by turn.
     BenchWeb(bench_web::WebArguments),
+    /// Open the page on a slow line with a slow processor: time to the first paint and to moving points, bytes.
+    BenchLoad(bench_load::LoadArguments),
 }
 
 fn main() -> Result<()> {
@@ -52,5 +55,6 @@ fn main() -> Result<()> {
         Command::Quality(arguments) => quality::run(&arguments),
         Command::BenchPeer(arguments) => bench_peer::run(&arguments),
         Command::BenchWeb(arguments) => bench_web::run(&arguments),
+        Command::BenchLoad(arguments) => bench_load::run(&arguments),
     }
 }
