@@ -5,16 +5,19 @@
  * - All answers share one line down: packets of all requests under way take turns at so many bits a second. A packet
  *   arrives half a round trip after it was sent.
  * - A request takes half a round trip. The first one on a connection waits two round trips more, for TCP and TLS 1.3.
+ *   All of a page's requests share a connection, as HTTP/2 has it.
  * - Bodies are compressed with gzip or brotli at the levels hosts use, headers are those of the folder's `_headers`, and
  *   files have an ETag, so that what the browser has already is answered with 304.
  *
- * Not imitated: TCP's slow start, loss, HTTP/2 (Chromium opens up to six connections instead), the line up.
+ * Not imitated: TCP's slow start, loss, the browser's priorities (all answers under way get the same share), the line up.
  */
 import { createHash } from 'node:crypto';
 import { readFile, readdir } from 'node:fs/promises';
-import { createServer } from 'node:http';
+import { createSecureServer } from 'node:http2';
 import { extname, join } from 'node:path';
 import { brotliCompressSync, constants, gzipSync } from 'node:zlib';
+
+import { makeCertificate } from './certificate.mjs';
 
 /** What fits into a packet of Ethernet. */
 const PACKET_BYTES = 1460;
@@ -135,7 +138,8 @@ export async function serveSlowly(folder, { bitsPerSecond, roundTripMs, encoding
   const transfers = [];
   let underWay = 0;
   const greeted = new WeakSet();
-  const server = createServer((request, response) => {
+  const { key, cert, pin } = makeCertificate();
+  const server = createSecureServer({ key, cert }, (request, response) => {
     const { pathname } = new URL(request.url ?? '/', 'http://page');
     const path = decodeURIComponent(pathname).replace(/^\//, '').replace(/(^|\/)$/, '$1index.html');
     const file = files.get(path);
@@ -147,8 +151,9 @@ export async function serveSlowly(folder, { bitsPerSecond, roundTripMs, encoding
     const transfer = { path, status, bytes: text + body.length, asked: Date.now(), begun: 0, arrived: null };
     transfers.push(transfer);
     underWay++;
-    const handshakes = greeted.has(request.socket) ? 0 : 2 * roundTripMs;
-    greeted.add(request.socket);
+    const connection = request.stream.session ?? request;
+    const handshakes = greeted.has(connection) ? 0 : 2 * roundTripMs;
+    greeted.add(connection);
 
     /** @type {Packet[]} */
     const packets = [];
@@ -176,15 +181,13 @@ export async function serveSlowly(folder, { bitsPerSecond, roundTripMs, encoding
   await new Promise((resolve) => server.listen(0, '127.0.0.1', () => resolve(undefined)));
   const { port } = /** @type {import('node:net').AddressInfo} */ (server.address());
   return {
-    url: `http://127.0.0.1:${port}/`,
+    url: `https://127.0.0.1:${port}/`,
+    /** For `--ignore-certificate-errors-spki-list`. */
+    pin,
     transfers,
     get isIdle() {
       return underWay === 0;
     },
-    close: () =>
-      new Promise((resolve) => {
-        server.close(() => resolve(undefined));
-        server.closeAllConnections();
-      }),
+    close: () => new Promise((resolve) => server.close(() => resolve(undefined))),
   };
 }

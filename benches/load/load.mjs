@@ -46,7 +46,10 @@ function watch() {
  */
 async function load(folder, { megabits, roundTripMs, slowdown, encoding, calibrate }) {
   const server = await serveSlowly(folder, { bitsPerSecond: megabits * 1e6, roundTripMs, encoding });
-  const { context, close } = await openChromium({ serviceWorkers: 'allow' });
+  const { context, close } = await openChromium({
+    serviceWorkers: 'allow',
+    args: [`--ignore-certificate-errors-spki-list=${server.pin}`],
+  });
   try {
     const page = context.pages()[0] ?? (await context.newPage());
     page.on('pageerror', (error) => console.error(`exception: ${error.message}`));
