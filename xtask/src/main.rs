@@ -27,7 +27,7 @@ struct Arguments {
 enum Command {
     /// Build the page into dist/: the files of www/ and the crate as WebAssembly.
     Build(web::BuildArguments),
-    /// Bring dist/'s list of files up to date after some were changed there: version, service worker, headers.
+    /// Bring dist/'s list of files up to date after some were changed there: version, preloaded modules, service worker, headers.
     Stamp,
     /// Build the WebAssembly modules and hold their sizes against the budgets.
     Size,
