@@ -4,6 +4,7 @@ mod bench_load;
 mod bench_peer;
 mod bench_web;
 mod offline;
+mod pictures;
 mod process;
 mod quality;
 mod requirements;
@@ -43,6 +44,8 @@ enum Command {
     BenchWeb(bench_web::WebArguments),
     /// Open the page on a slow line with a slow processor: time to the first paint and to moving points, bytes.
     BenchLoad(bench_load::LoadArguments),
+    /// Make the pictures of the README: strips from the examples' commands, the gallery as a sheet, the page.
+    Pictures(pictures::PicturesArguments),
 }
 
 fn main() -> Result<()> {
@@ -56,5 +59,6 @@ fn main() -> Result<()> {
         Command::BenchPeer(arguments) => bench_peer::run(&arguments),
         Command::BenchWeb(arguments) => bench_web::run(&arguments),
         Command::BenchLoad(arguments) => bench_load::run(&arguments),
+        Command::Pictures(arguments) => pictures::run(&arguments),
     }
 }
