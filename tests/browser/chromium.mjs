@@ -8,10 +8,10 @@ import { chromium } from 'playwright-core';
 const CHROMIUM = process.env.POINTWEAVE_CHROMIUM ?? '/usr/bin/chromium';
 
 /**
- * @param {{ webgpu?: boolean, serviceWorkers?: 'allow' | 'block' }} [options] service workers are blocked unless a test
+ * @param {{ webgpu?: boolean, serviceWorkers?: 'allow' | 'block', args?: string[] }} [options] service workers are blocked unless a test
  *   is about them: what they answer can't be watched or replaced
  */
-export async function openChromium({ webgpu = false, serviceWorkers = 'block' } = {}) {
+export async function openChromium({ webgpu = false, serviceWorkers = 'block', args = [] } = {}) {
   const profile = await mkdtemp(join(tmpdir(), 'pointweave-browser-'));
   const forget = () => rm(profile, { recursive: true, force: true });
   try {
@@ -31,6 +31,7 @@ export async function openChromium({ webgpu = false, serviceWorkers = 'block' } 
         // Pages in the background must not be slowed down: tests open several.
         '--disable-renderer-backgrounding',
         ...(webgpu ? ['--enable-unsafe-webgpu'] : []),
+        ...args,
       ],
     });
     return {

@@ -1,8 +1,10 @@
 //! Everything a person does with the repository: build the page, serve it, test, compare, look at the gallery.
 
+mod bench_load;
 mod bench_peer;
 mod bench_web;
 mod offline;
+mod pictures;
 mod process;
 mod quality;
 mod requirements;
@@ -26,7 +28,7 @@ struct Arguments {
 enum Command {
     /// Build the page into dist/: the files of www/ and the crate as WebAssembly.
     Build(web::BuildArguments),
-    /// Bring dist/'s list of files up to date after some were changed there: version, service worker, headers.
+    /// Bring dist/'s list of files up to date after some were changed there: version, preloaded modules, service worker, headers.
     Stamp,
     /// Build the WebAssembly modules and hold their sizes against the budgets.
     Size,
@@ -40,6 +42,10 @@ enum Command {
     BenchPeer(bench_peer::PeerArguments),
     /// Time one iteration in headless Chromium against native code on one thread, turn by turn.
     BenchWeb(bench_web::WebArguments),
+    /// Open the page on a slow line with a slow processor: time to the first paint and to moving points, bytes.
+    BenchLoad(bench_load::LoadArguments),
+    /// Make the pictures of the README: strips from the examples' commands, the gallery as a sheet, the page.
+    Pictures(pictures::PicturesArguments),
 }
 
 fn main() -> Result<()> {
@@ -52,5 +58,7 @@ fn main() -> Result<()> {
         Command::Quality(arguments) => quality::run(&arguments),
         Command::BenchPeer(arguments) => bench_peer::run(&arguments),
         Command::BenchWeb(arguments) => bench_web::run(&arguments),
+        Command::BenchLoad(arguments) => bench_load::run(&arguments),
+        Command::Pictures(arguments) => pictures::run(&arguments),
     }
 }

@@ -1,7 +1,8 @@
 //! What the page needs to work without a network and on any host: a version from the content of its files, their list
-//! with a hash each for the service worker, and the headers for hosts that read a `_headers` file.
+//! with a hash each for the service worker, and the headers for hosts that read a `_headers` file. And what it needs to
+//! load quickly without a bundler: a link in every page for each module that its script imports.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -32,6 +33,7 @@ pub(crate) fn stamp(folder: &Path) -> Result<String> {
     let worker = files.remove(WORKER).with_context(|| format!("{} has no {WORKER}", folder.display()))?;
     let worker = String::from_utf8(worker)?;
 
+    preload_modules(&mut files)?;
     // The version is that of the content without the stamps.
     write_version(&mut files, "")?;
     let mut hash = Sha256::new();
@@ -58,6 +60,73 @@ pub(crate) fn stamp(folder: &Path) -> Result<String> {
 
 fn is_page(path: &str) -> bool {
     Path::new(path).extension().is_some_and(|extension| extension == "html")
+}
+
+/// Lists in every page, after its module script, what that imports, directly or not: otherwise a browser learns of each
+/// module from the one that imports it, and waits for a round trip of the line every time.
+fn preload_modules(files: &mut Files) -> Result<()> {
+    const LINK: &str = "<link rel=\"modulepreload\"";
+    const SCRIPT: &str = "<script type=\"module\" src=\"./";
+
+    let pages: Vec<String> = files.keys().filter(|path| is_page(path)).cloned().collect();
+    for page in pages {
+        let text = std::str::from_utf8(&files[&page]).with_context(|| format!("{page} is not UTF-8"))?;
+        let mut lines = Vec::new();
+        for line in text.lines().filter(|line| !line.trim_start().starts_with(LINK)) {
+            lines.push(line.to_owned());
+            let Some((indent, rest)) = line.split_once(SCRIPT) else { continue };
+            let Some((script, _)) = rest.split_once('"') else { continue };
+            // Pages lie in the folder that their scripts' paths start from.
+            let mut modules = BTreeSet::new();
+            collect_imports(files, script, &mut modules);
+            modules.remove(script);
+            lines.extend(modules.iter().map(|module| format!("{indent}{LINK} href=\"./{module}\" />")));
+        }
+        let text = lines.join("\n") + if text.ends_with('\n') { "\n" } else { "" };
+        files.insert(page, text.into_bytes());
+    }
+    Ok(())
+}
+
+/// Adds the module and what it imports to `modules`.
+fn collect_imports(files: &Files, module: &str, modules: &mut BTreeSet<String>) {
+    let Some(text) = files.get(module).and_then(|bytes| std::str::from_utf8(bytes).ok()) else { return };
+    if modules.insert(module.to_owned()) {
+        for import in imports(text) {
+            collect_imports(files, &join(module, import), modules);
+        }
+    }
+}
+
+/// What a module's `import … from './…'`, `export … from './…'` and `import './…'` name. Each stands in a line of its own,
+/// or ends in one.
+fn imports(text: &str) -> Vec<&str> {
+    text.lines()
+        .filter_map(|line| {
+            let line = line.trim_start();
+            let rest = match line.strip_prefix("import ") {
+                Some(rest) if rest.starts_with(['\'', '"']) => rest,
+                _ => line.starts_with(['i', 'e', '}']).then(|| line.split_once(" from "))??.1,
+            };
+            let quote = rest.chars().next().filter(|first| ['\'', '"'].contains(first))?;
+            let path = rest[1..].split(quote).next()?;
+            path.starts_with('.').then_some(path)
+        })
+        .collect()
+}
+
+/// The path that `relative` means in the module at `from`.
+fn join(from: &str, relative: &str) -> String {
+    let mut names: Vec<&str> = from.split('/').collect();
+    names.pop();
+    for name in relative.split('/') {
+        match name {
+            "." => {}
+            ".." => drop(names.pop()),
+            name => names.push(name),
+        }
+    }
+    names.join("/")
 }
 
 /// Puts the version where `<html data-build="…">` is in every page.
@@ -158,6 +227,22 @@ mod tests {
         let worker = text(WORKER) + "// more\n";
         fs::write(folder.join(WORKER), worker).unwrap();
         assert_ne!(stamp(&folder).unwrap(), first);
+
+        // A module that the page's script imports, however far away, is loaded at once.
+        let page = "<html data-build=\"\">\n  <script type=\"module\" src=\"./app/main.js\"></script>\n";
+        fs::write(folder.join("index.html"), page).unwrap();
+        fs::create_dir_all(folder.join("common")).unwrap();
+        fs::write(folder.join("app/main.js"), "import {\n  a,\n} from './a.js';\nimport('./late.js');\n").unwrap();
+        fs::write(folder.join("app/a.js"), "export * from '../common/b.js';\nimport \"./main.js\";\n").unwrap();
+        fs::write(folder.join("common/b.js"), "// import './c.js';\n").unwrap();
+        fs::write(folder.join("common/c.js"), "").unwrap();
+        fs::write(folder.join("app/late.js"), "").unwrap();
+        let third = stamp(&folder).unwrap();
+        let links: Vec<String> = ["app/a.js", "common/b.js"]
+            .map(|module| format!("  <link rel=\"modulepreload\" href=\"./{module}\" />\n"))
+            .into();
+        assert_eq!(text("index.html"), page.replace("=\"\"", &format!("=\"{third}\"")) + &links.concat());
+        assert_eq!(stamp(&folder).unwrap(), third, "links are replaced");
 
         fs::write(folder.join("bare.html"), "<html>").unwrap();
         assert!(stamp(&folder).unwrap_err().to_string().contains("bare.html"));
