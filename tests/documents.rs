@@ -135,7 +135,7 @@ fn what_is_read_first_is_short() {
 
 #[test]
 fn lines_of_prose_are_legible_in_a_diff() {
-        let mut long = Vec::new();
+    let mut long = Vec::new();
     for (path, text) in documents() {
         long.extend(long_lines(&text).into_iter().map(|number| format!("{}:{number}", path.display())));
     }
