@@ -120,6 +120,28 @@ fn broken_links(path: &Path, text: &str) -> Vec<String> {
     broken
 }
 
+/// Where files that documents name may lie: ARCHITECTURE leaves out what all of its names begin with.
+const BASES: [&str; 3] = ["", "src", "src/engine"];
+
+/// Names of files and folders in a document that are none. Only names in one of the repository's folders are looked at;
+/// build outputs and patterns are not.
+fn missing_files(text: &str) -> Vec<(usize, String)> {
+    let is_name = |span: &str| span.contains('/') && span.chars().all(|c| c.is_alphanumeric() || "/._-".contains(c));
+    let mut missing = Vec::new();
+    for (number, line) in outside_code(text) {
+        for span in line.split('`').skip(1).step_by(2).filter(|span| is_name(span)) {
+            let first = span.split('/').next().unwrap_or_default();
+            let mut bases =
+                BASES.iter().map(|base| root().join(base)).filter(|base| base.join(first).is_dir()).peekable();
+            let is_output = ["", ".", "..", "dist", "target"].contains(&first);
+            if !is_output && bases.peek().is_some() && !bases.any(|base| base.join(span).exists()) {
+                missing.push((number, span.to_owned()));
+            }
+        }
+    }
+    missing
+}
+
 /// Whether the pictures are small enough together.
 fn are_small(bytes: impl Iterator<Item = u64>) -> bool {
     bytes.sum::<u64>() <= MAX_PICTURE_BYTES
@@ -151,6 +173,16 @@ fn relative_links_lead_somewhere() {
 }
 
 #[test]
+fn files_that_documents_name_exist() {
+    let mut missing = Vec::new();
+    for (path, text) in documents() {
+        missing
+            .extend(missing_files(&text).into_iter().map(|(line, name)| format!("{}:{line}: {name}", path.display())));
+    }
+    assert!(missing.is_empty(), "files that are not there:\n{}", missing.join("\n"));
+}
+
+#[test]
 fn pictures_are_small_together() {
     let pictures = files(&root().join("docs/pictures"));
     assert!(!pictures.is_empty());
@@ -174,6 +206,10 @@ fn planted_mistakes_are_found() {
     assert_eq!(broken("```\n[gone](nothing.md)\n```\n`[gone](nothing.md)`"), 0);
     assert_eq!(broken("# Some *Title*, no. 2\n[here](#some-title-no-2) [gone](#no-title)"), 1);
     assert_eq!(broken("[there](ARCHITECTURE.md#the-way-through) [gone](ARCHITECTURE.md#no-title)"), 1);
+
+    assert!(missing_files("`src/lib.rs`, `formats/mod.rs`, `cpu/`, `and/or`, `gpu/<stage>.rs`, `target/x`").is_empty());
+    let missing = missing_files("text\n`src/nothing.rs` and `formats/nothing.rs`\n");
+    assert_eq!(missing, [(2, "src/nothing.rs".to_owned()), (2, "formats/nothing.rs".to_owned())]);
 
     assert!(are_small([MAX_PICTURE_BYTES - 1, 1].into_iter()));
     assert!(!are_small([MAX_PICTURE_BYTES, 1].into_iter()));
