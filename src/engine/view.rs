@@ -143,8 +143,8 @@ impl View {
             let stride: usize = STRIDES[..=layer].iter().product();
             let margin = |pixels: usize, pitch: f64| {
                 let wanted = (RECEPTIVE_REACH[layer] + self.wave.sigma / pitch) / stride as f64;
-                // Filters of the last layers reach half across an exemplar. Without a tenth on each side
-                // most of what knows of the border is gone; without more, too little is left to measure (QUALITY.md).
+                // Filters of the last layers reach half across an exemplar. A margin of a tenth removes most of the
+                // border's influence; a wider one leaves too little to measure (docs/findings/interior-statistics.md).
                 (wanted.ceil() as usize).min(pixels / 10)
             };
             let (y, x) = (margin(height, self.grid.pitch.y), margin(width, self.grid.pitch.x));
