@@ -9,6 +9,7 @@ import { Files } from './files.js';
 import { Import, capital } from './import.js';
 import { Look } from './look.js';
 import { LossChart } from './loss-chart.js';
+import '../playground/layout.js';
 import { keepForOffline } from './offline.js';
 import { blank, count } from './pattern.js';
 import { sourceOf, viewOf } from './pattern-source.js';
