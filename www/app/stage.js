@@ -19,12 +19,20 @@ const STACK_EDITOR_BELOW = 680;
 const COMPANION = { least: 150, most: 260 };
 /** Height of the exemplar below a wide result, at least and at most. */
 const BELOW = { least: 112, most: 240 };
+/** However little the words beside the result leave, the exemplar has this height. */
+const LEAST_EXEMPLAR = 84;
 /** The exemplar stands below the result only where that gives it so many times the size. */
 const WORTH_IT = 1.1;
-/** Where the page scrolls, the result takes at most this share of the window's height. */
-const SHARE_OF_WINDOW = { wide: 0.68, stacked: 0.8 };
+/** Where the page scrolls, the result takes so much of the window's height, at least and at most. */
+const SHARE_OF_WINDOW = { least: 0.5, most: 0.8 };
+/** Height of the buttons that stay in sight below it. */
+const DECK = 76;
 /** Room around the result in a picture of its own, as a share of its width. */
 const PICTURE_MARGIN = 0.02;
+/** With less height than this the exemplar beside the result goes without its caption, and the tools without their hint. */
+const LOW = 340;
+/** Room for the shadow below a canvas. */
+const SHADOW = 6;
 /** However low the window, the results have this height. */
 const LEAST_ROOM = 100;
 /** While the exemplar is edited the editor takes the middle; this share of the width is left for the result. */
@@ -309,6 +317,7 @@ export class Stage {
     }
     this.#scale = Math.max(scale, 8);
     this.#figures.dataset.shape = shape;
+    this.#figures.toggleAttribute('data-low', shape === 'beside' && this.#bounded && room < LOW);
     this.#results.toggleAttribute('data-column', column);
     this.#fitExemplar(shape, width, room, gap, column);
     this.#drawExemplar();
@@ -318,8 +327,14 @@ export class Stage {
 
   /** Height for the results' canvases, with the heads above them left out. @param {boolean} stacked */
   #room(stacked) {
-    if (!this.#bounded) return SHARE_OF_WINDOW[stacked ? 'stacked' : 'wide'] * window.innerHeight;
-    return Math.max(this.#figures.clientHeight - this.#comparison.offsetHeight - this.#head, LEAST_ROOM);
+    if (!this.#bounded) {
+      const most = SHARE_OF_WINDOW.most * window.innerHeight;
+      if (stacked) return most;
+      // The result and the buttons are to be seen at once, without scrolling.
+      const top = this.#results.getBoundingClientRect().top + window.scrollY + this.#head;
+      return Math.min(most, Math.max(window.innerHeight - top - DECK, SHARE_OF_WINDOW.least * window.innerHeight));
+    }
+    return Math.max(this.#figures.clientHeight - this.#comparison.offsetHeight - this.#head - SHADOW, LEAST_ROOM);
   }
 
   /** Whether the style sheet gives the figures the height that is left in the window; else the page scrolls. */
@@ -378,7 +393,7 @@ export class Stage {
       mostWidth = Math.min(Math.max(width - gap - results, COMPANION.least), COMPANION.most);
       this.#figures.style.setProperty('--companion', `${mostWidth}px`);
       const caption = /** @type {HTMLElement} */ (this.#exemplarCanvas.nextElementSibling);
-      mostHeight = Math.max(room - caption.offsetHeight - this.#tools.offsetHeight, BELOW.least);
+      mostHeight = Math.max(room - caption.offsetHeight - this.#tools.offsetHeight, LEAST_EXEMPLAR);
     } else if (shape === 'below' && this.#bounded) {
       const results = column ? size(this.#output.size[1]) + this.#head + size(keptHeight) : size(Math.max(this.#output.size[1], keptHeight));
       mostHeight = Math.min(Math.max(room - results - this.#belowHeight(0), BELOW.least), BELOW.most);
