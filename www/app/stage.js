@@ -20,7 +20,7 @@ const COMPANION = { least: 150, most: 260 };
 /** Height of the exemplar below a wide result, at least and at most. */
 const BELOW = { least: 112, most: 240 };
 /** However little the words beside the result leave, the exemplar has this height. */
-const LEAST_EXEMPLAR = 84;
+const LEAST_EXEMPLAR = 66;
 /** The exemplar stands below the result only where that gives it so many times the size. */
 const WORTH_IT = 1.1;
 /** Where the page scrolls, the result takes so much of the window's height, at least and at most. */
