@@ -22,7 +22,7 @@ const BELOW = { least: 112, most: 240 };
 /** However little the words beside the result leave, the exemplar has this height. */
 const LEAST_EXEMPLAR = 66;
 /** The exemplar stands below the result only where that gives it so many times the size. */
-const WORTH_IT = 1.1;
+const WORTH_IT = 1.25;
 /** Where the page scrolls, the result takes so much of the window's height, at least and at most. */
 const SHARE_OF_WINDOW = { least: 0.5, most: 0.8 };
 /** Height of the buttons that stay in sight below it. */
