@@ -317,7 +317,7 @@ export class Stage {
     }
     this.#scale = Math.max(scale, 8);
     this.#figures.dataset.shape = shape;
-    this.#figures.toggleAttribute('data-low', shape === 'beside' && this.#bounded && room < LOW);
+    this.#figures.toggleAttribute('data-low', shape === 'beside' && room < LOW);
     this.#results.toggleAttribute('data-column', column);
     this.#fitExemplar(shape, width, room, gap, column);
     this.#drawExemplar();
