@@ -576,7 +576,6 @@ function drawThumbnails() {
 function exemplarCard(choice, value, pattern) {
   const card = document.createElement('label');
   card.className = 'exemplar-card';
-  card.title = choice.caption;
   const input = document.createElement('input');
   Object.assign(input, { type: 'radio', name: 'exemplar', value, className: 'unseen' });
   choice.value = value;
