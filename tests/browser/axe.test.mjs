@@ -58,6 +58,26 @@ describe('axe finds nothing serious', () => {
     }
   }
 
+  for (const size of /** @type {const} */ (['desktop', 'phone'])) {
+    for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
+      test(`${size}, ${colorScheme}: comparing, drawing, opening`, { timeout: 120_000 }, () =>
+        withPage(browser, { viewport: SIZES[size], media: { colorScheme, reducedMotion: 'reduce' } }, async (page) => {
+          await iterations(page, 2);
+          await page.getByRole('button', { name: 'Keep as A' }).click();
+          await page.getByText(/^Quality of A/).waitFor();
+          assert.deepEqual(await violations(page), [], 'with a result kept');
+          await page.getByRole('button', { name: 'Edit', exact: true }).click();
+          await page.locator('#editor').waitFor();
+          assert.deepEqual(await violations(page), [], 'with the editor');
+          await page.getByRole('button', { name: 'Discard' }).click();
+          await page.getByRole('button', { name: 'Paste…' }).click();
+          await page.getByRole('dialog').waitFor();
+          assert.deepEqual(await violations(page), [], 'with a dialog');
+        }),
+      );
+    }
+  }
+
   test('in a frame, and where colours are forced', { timeout: 120_000 }, () =>
     withPage(
       browser,

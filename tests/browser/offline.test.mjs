@@ -96,17 +96,17 @@ describe('the page, once seen,', () => {
       assert.match(first ?? '', /^[0-9a-f]{16}$/);
       await page.reload();
       assert.equal(await versionOf(page), first);
-      await build(folder, 'style.css', marked, 'second');
+      await build(folder, 'common/base.css', marked, 'second');
       await page.reload();
       assert.equal(await versionOf(page), 'second', 'the next load shows it');
-      assert.match(await later(page, 'style.css'), /the next build/);
+      assert.match(await later(page, 'common/base.css'), /the next build/);
       await iterations(page, 1);
       // The service worker of the new build takes over once it has every file.
       while (!(await page.evaluate(() => caches.keys())).every((name) => name.endsWith(':second'))) await page.waitForTimeout(100);
       await browser.stopServer();
       await page.reload();
       assert.equal(await versionOf(page), 'second');
-      assert.match(await later(page, 'style.css'), /the next build/);
+      assert.match(await later(page, 'common/base.css'), /the next build/);
       await iterations(page, 1);
     }),
   );
@@ -136,7 +136,7 @@ describe('the page, once seen,', () => {
       const page = await visit(browser);
       await kept(page);
       const first = await versionOf(page);
-      await build(folder, 'style.css', marked, 'second');
+      await build(folder, 'common/base.css', marked, 'second');
       // Not what the list says: it was not copied yet.
       await writeFile(join(folder, 'app/words.js'), marked(await readFile(join(folder, 'app/words.js'), 'utf8')));
       await page.reload();
@@ -145,7 +145,7 @@ describe('the page, once seen,', () => {
       await browser.stopServer();
       await page.reload();
       assert.equal(await versionOf(page), first);
-      assert.doesNotMatch(await later(page, 'style.css'), /the next build/);
+      assert.doesNotMatch(await later(page, 'common/base.css'), /the next build/);
       await iterations(page, 1);
     }),
   );

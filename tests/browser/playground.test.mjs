@@ -86,6 +86,7 @@ describe('the playground', () => {
   });
 
   pageTest('lowers the loss', {}, async (page) => {
+    await page.locator('#loss > summary').click();
     await iterations(page, 50);
     const losses = await peek(page, 'losses');
     const mean = (/** @type {number[]} */ list) => list.reduce((sum, value) => sum + value, 0) / list.length;

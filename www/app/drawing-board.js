@@ -97,7 +97,7 @@ export class DrawingBoard {
     const place = /** @type {HTMLElement} */ (this.#canvas.parentElement);
     if (place.clientWidth === 0) return;
     const [, , width, height] = this.#scene().pattern.domain;
-    const room = Math.max(260, Math.min(window.innerHeight - 390, 760));
+    const room = Math.max(260, Math.min(window.innerHeight - 410, 760));
     this.#scale = Math.min((place.clientWidth - 2 * MARGIN) / width, (room - 2 * MARGIN) / height);
     this.#width = width * this.#scale + 2 * MARGIN;
     this.#height = height * this.#scale + 2 * MARGIN;

@@ -12,7 +12,7 @@ export const PARTS = {
   editor: '#editor, #edit',
   loss: '.loss',
   statistics: '#statistics',
-  deck: '.deck',
+  deck: '.deck, #engine-line',
   step: '#step',
   reset: '#reset',
   engine: '#engine-line, [data-field="engine"]',
@@ -47,6 +47,7 @@ export function applyEmbedOptions() {
   root.toggleAttribute('data-embed', embed);
   const without = [hide.has('gallery') && 'rail', hide.has('settings') && hide.has('share') && hide.has('take') && 'panel'];
   root.dataset.without = without.filter(Boolean).join(' ');
+  root.dataset.hide = [...hide].join(' ');
   const sheet = new CSSStyleSheet();
   for (const part of hide) sheet.insertRule(`:is(${PARTS[part]}) { display: none !important; }`);
   document.adoptedStyleSheets = [sheet];

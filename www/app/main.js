@@ -9,6 +9,7 @@ import { Files } from './files.js';
 import { Import, capital } from './import.js';
 import { Look } from './look.js';
 import { LossChart } from './loss-chart.js';
+import '../playground/layout.js';
 import { keepForOffline } from './offline.js';
 import { blank, count } from './pattern.js';
 import { sourceOf, viewOf } from './pattern-source.js';
@@ -575,7 +576,6 @@ function drawThumbnails() {
 function exemplarCard(choice, value, pattern) {
   const card = document.createElement('label');
   card.className = 'exemplar-card';
-  card.title = choice.caption;
   const input = document.createElement('input');
   Object.assign(input, { type: 'radio', name: 'exemplar', value, className: 'unseen' });
   choice.value = value;

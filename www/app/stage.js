@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * The exemplar and the result at one scale. The points glide from where they are drawn to where they are, so that
+ * The result with what room there is, and the exemplar small beside or below it. The points glide from where they are drawn to where they are, so that
  * ten batches a second look like a movement; a paused run is drawn exactly.
  */
 import { areThings, drawPoints, markRadius, prepare, readColours } from './draw.js';
@@ -12,28 +12,43 @@ import { areThings, drawPoints, markRadius, prepare, readColours } from './draw.
 const MARGIN = 8;
 /** The drawn points cover this share of their way in about 60 ms. */
 const GLIDE_MS = 70;
-/** Narrower than this, exemplar and result stand above each other. */
-const STACK_BELOW = 520;
+/** Narrower than this, result, tools and exemplar stand one below the other; the editor needs more. */
+const STACK_BELOW = 560;
+const STACK_EDITOR_BELOW = 680;
+/** Width of the exemplar's column beside the result, at least and at most. */
+const COMPANION = { least: 150, most: 260 };
+/** Height of the exemplar below a wide result, at least and at most. */
+const BELOW = { least: 112, most: 240 };
+/** However little the words beside the result leave, the exemplar has this height. */
+const LEAST_EXEMPLAR = 66;
+/** The exemplar stands below the result only where that gives it so many times the size. */
+const WORTH_IT = 1.25;
+/** Where the page scrolls, the result takes so much of the window's height, at least and at most. */
+const SHARE_OF_WINDOW = { least: 0.5, most: 0.8 };
+/** Height of the buttons that stay in sight below it. */
+const DECK = 76;
 /** Room around the result in a picture of its own, as a share of its width. */
 const PICTURE_MARGIN = 0.02;
-/** The words below the exemplar need this much. */
-const CAPTION_WIDTH = 170;
-/** While the exemplar is edited the editor takes its place; this share of the width is left for the result. */
+/** With less height than this the exemplar beside the result goes without its caption, and the tools without their hint. */
+const LOW = 340;
+/** Room for the shadow below a canvas. */
+const SHADOW = 6;
+/** However low the window, the results have this height. */
+const LEAST_ROOM = 100;
+/** While the exemplar is edited the editor takes the middle; this share of the width is left for the result. */
 const RESULT_SHARE = 0.37;
 /** Narrower than this, the result kept is only seen in the place of the one at hand. */
-const APART_FROM = 740;
-/** The editor needs more width to have the result beside it. */
-const STACK_EDITOR_BELOW = 680;
+const APART_FROM = 620;
 
 export class Stage {
   #figures = /** @type {HTMLElement} */ (document.getElementById('figures'));
+  #results = /** @type {HTMLElement} */ (document.getElementById('results'));
+  #comparison = /** @type {HTMLElement} */ (document.getElementById('comparison'));
   #exemplarCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('exemplar-canvas'));
   #outputCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('output-canvas'));
   /** What there is to touch the result with. */
   #tools = /** @type {HTMLElement} */ (document.getElementById('touch'));
   #colours = readColours();
-  /** Where the page is as high as the window, the figures must fit into what is left of it; see the style sheet. */
-  #fits = matchMedia('(min-width: 1120px)');
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
   /** @type {PatternView | null} */
   #exemplar = null;
@@ -44,6 +59,8 @@ export class Stage {
   #tiles = false;
   #editing = false;
   #scale = 100;
+  /** The exemplar's own: it is smaller than the result where there is not room for both. */
+  #exemplarScale = 100;
   #frame = 0;
   #lastFrame = 0;
 
@@ -63,8 +80,8 @@ export class Stage {
   constructor(look) {
     this.#look = look;
     const resized = new ResizeObserver(() => this.#layout());
-    resized.observe(this.#figures);
-    resized.observe(this.#tools);
+    const caption = /** @type {HTMLElement} */ (this.#exemplarCanvas.nextElementSibling);
+    for (const part of [this.#figures, this.#tools, this.#comparison, caption]) resized.observe(part);
     window.addEventListener('themechange', () => this.restyle());
   }
 
@@ -277,58 +294,124 @@ export class Stage {
     this.#layout();
   }
 
-  /** Finds the one scale at which both fit. */
+  /** Gives the result what room there is, and the exemplar what that leaves. */
   #layout() {
     if (!this.#exemplar || !this.#output) return;
-    const { clientWidth: width, clientHeight: height } = this.#figures;
-    const [exemplarWidth, exemplarHeight] = this.#exemplar.size;
     const figure = /** @type {HTMLElement} */ (this.#exemplarCanvas.parentElement);
-    const alone = figure.offsetParent === null && !this.#editing;
+    const alone = getComputedStyle(figure).display === 'none' && !this.#editing;
+    const width = this.#figures.clientWidth;
     const stacked = width < (this.#editing ? STACK_EDITOR_BELOW : STACK_BELOW) && !alone;
-    this.#figures.dataset.shape = stacked ? 'stacked' : 'beside';
     const apart = this.#kept !== null && !stacked && !alone && !this.#editing && width >= APART_FROM;
     this.#figures.toggleAttribute('data-apart', apart);
-    const [keptWidth, keptHeight] = this.#kept?.size ?? [0, 0];
-    const outputHeight = Math.max(this.#output.size[1], keptHeight);
-    // Where the one stands in the other's place, there must be room for both.
-    const outputWidth = apart ? this.#output.size[0] : Math.max(this.#output.size[0], keptWidth);
-    const head = 30;
-    // A frame is as high as it is.
-    const framed = document.documentElement.hasAttribute('data-embed');
-    const room = this.#fits.matches || framed ? Math.max(height, framed ? 120 : 300) : 0.8 * window.innerHeight;
-    // Beside each other, the figures have the tools below them all.
-    const below = stacked ? 0 : this.#tools.offsetHeight;
-    this.#figures.style.paddingBottom = `${below}px`;
-    let scale;
-    if (alone) {
-      scale = Math.min((width - 2 * MARGIN) / outputWidth, (room - head - below - 2 * MARGIN) / outputHeight);
-    } else if (stacked) {
-      scale = (width - 2 * MARGIN) / Math.max(outputWidth, exemplarWidth);
-      scale = Math.min(scale, (window.innerHeight * 0.8) / outputHeight);
-    } else {
-      const gap = Number.parseFloat(getComputedStyle(this.#figures).columnGap) || 0;
-      const free = width - gap - 4 * MARGIN - (apart ? gap + 2 * MARGIN : 0);
-      const results = outputWidth + (apart ? keptWidth : 0);
-      scale = free / (exemplarWidth + results);
-      if (scale * exemplarWidth < CAPTION_WIDTH) scale = (free + 2 * MARGIN - CAPTION_WIDTH) / results;
-      if (this.#editing) scale = (RESULT_SHARE * width - 2 * MARGIN) / outputWidth;
-      scale = Math.min(scale, (room - head - below - 2 * MARGIN) / Math.max(outputHeight, exemplarHeight));
+    const gap = Number.parseFloat(getComputedStyle(this.#figures).columnGap) || 0;
+    const room = this.#room(stacked);
+    let shape = stacked ? 'stacked' : alone ? 'alone' : 'beside';
+    let { scale, column } = this.#fit(apart, width, room, gap);
+    if (this.#editing) {
+      if (!stacked) scale = Math.min(scale, (RESULT_SHARE * width - 2 * MARGIN) / this.#output.size[0]);
+    } else if (shape === 'beside') {
+      const beside = this.#fit(apart, width - COMPANION.least - gap, room, gap);
+      const below = this.#fit(apart, width, this.#bounded ? room - this.#belowHeight(BELOW.least) : room, gap);
+      if (below.scale > WORTH_IT * beside.scale) shape = 'below';
+      ({ scale, column } = shape === 'below' ? below : beside);
     }
     this.#scale = Math.max(scale, 8);
-    const captionWidth = Math.max(this.#scale * exemplarWidth + 2 * MARGIN, CAPTION_WIDTH);
-    figure.style.width = stacked ? '' : `${captionWidth}px`;
+    this.#figures.dataset.shape = shape;
+    this.#figures.toggleAttribute('data-low', shape === 'beside' && room < LOW);
+    this.#results.toggleAttribute('data-column', column);
+    this.#fitExemplar(shape, width, room, gap, column);
     this.#drawExemplar();
     this.#drawKept();
     this.#drawOutput();
   }
 
+  /** Height for the results' canvases, with the heads above them left out. @param {boolean} stacked */
+  #room(stacked) {
+    if (!this.#bounded) {
+      const most = SHARE_OF_WINDOW.most * window.innerHeight;
+      if (stacked) return most;
+      // The result and the buttons are to be seen at once, without scrolling.
+      const top = this.#results.getBoundingClientRect().top + window.scrollY + this.#head;
+      return Math.min(most, Math.max(window.innerHeight - top - DECK, SHARE_OF_WINDOW.least * window.innerHeight));
+    }
+    return Math.max(this.#figures.clientHeight - this.#comparison.offsetHeight - this.#head - SHADOW, LEAST_ROOM);
+  }
+
+  /** Whether the style sheet gives the figures the height that is left in the window; else the page scrolls. */
+  get #bounded() {
+    return getComputedStyle(this.#figures).flexBasis === '0px';
+  }
+
+  /** How far below its figure's upper edge a canvas begins. */
+  get #head() {
+    const figure = /** @type {HTMLElement} */ (this.#outputCanvas.parentElement);
+    return this.#outputCanvas.getBoundingClientRect().top - figure.getBoundingClientRect().top;
+  }
+
+  /** Height of the exemplar's figure below the result. @param {number} canvas */
+  #belowHeight(canvas) {
+    return canvas + 16;
+  }
+
+  /**
+   * The largest scale at which the results fit, one beside the other or one above the other.
+   *
+   * @param {boolean} apart whether the result that was kept has a canvas of its own
+   * @param {number} width
+   * @param {number} height
+   * @param {number} gap
+   */
+  #fit(apart, width, height, gap) {
+    const [outputWidth, outputHeight] = this.#output?.size ?? [1, 1];
+    const [keptWidth, keptHeight] = this.#kept?.size ?? [0, 0];
+    const widest = Math.max(outputWidth, keptWidth);
+    const highest = Math.max(outputHeight, keptHeight);
+    if (!apart) return { scale: Math.min((width - 2 * MARGIN) / widest, (height - 2 * MARGIN) / highest), column: false };
+    const row = Math.min((width - gap - 4 * MARGIN) / (outputWidth + keptWidth), (height - 2 * MARGIN) / highest);
+    const column = Math.min((width - 2 * MARGIN) / widest, (height - this.#head - 4 * MARGIN) / (outputHeight + keptHeight));
+    return column > row ? { scale: column, column: true } : { scale: row, column: false };
+  }
+
+  /**
+   * The exemplar is never larger than the result, and fits into what that leaves.
+   *
+   * @param {string} shape
+   * @param {number} width
+   * @param {number} room
+   * @param {number} gap
+   * @param {boolean} column
+   */
+  #fitExemplar(shape, width, room, gap, column) {
+    if (!this.#exemplar || !this.#output) return;
+    const [exemplarWidth, exemplarHeight] = this.#exemplar.size;
+    const apart = this.#figures.hasAttribute('data-apart');
+    const [keptWidth, keptHeight] = (apart && this.#kept?.size) || [0, 0];
+    const size = (/** @type {number} */ units) => units * this.#scale + 2 * MARGIN;
+    let [mostWidth, mostHeight] = [0.4 * width, BELOW.most];
+    if (shape === 'beside') {
+      const results = column ? size(Math.max(this.#output.size[0], keptWidth)) : size(this.#output.size[0]) + (apart ? gap + size(keptWidth) : 0);
+      mostWidth = Math.min(Math.max(width - gap - results, COMPANION.least), COMPANION.most);
+      this.#figures.style.setProperty('--companion', `${mostWidth}px`);
+      const caption = /** @type {HTMLElement} */ (this.#exemplarCanvas.nextElementSibling);
+      mostHeight = Math.max(room - caption.offsetHeight - this.#tools.offsetHeight, LEAST_EXEMPLAR);
+    } else if (shape === 'below' && this.#bounded) {
+      const results = column ? size(this.#output.size[1]) + this.#head + size(keptHeight) : size(Math.max(this.#output.size[1], keptHeight));
+      mostHeight = Math.min(Math.max(room - results - this.#belowHeight(0), BELOW.least), BELOW.most);
+    } else if (shape === 'stacked') {
+      mostHeight = 150;
+    }
+    const most = Math.min((mostWidth - 2 * MARGIN) / exemplarWidth, (mostHeight - 2 * MARGIN) / exemplarHeight);
+    this.#exemplarScale = Math.min(this.#scale, most);
+  }
+
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {PatternView} pattern
+   * @param {number} [scale]
    */
-  #size(canvas, pattern) {
-    const width = pattern.size[0] * this.#scale + 2 * MARGIN;
-    const height = pattern.size[1] * this.#scale + 2 * MARGIN;
+  #size(canvas, pattern, scale = this.#scale) {
+    const width = pattern.size[0] * scale + 2 * MARGIN;
+    const height = pattern.size[1] * scale + 2 * MARGIN;
     canvas.style.width = `${width}px`;
     canvas.style.height = `${height}px`;
     return { width, height, context: prepare(canvas, width, height) };
@@ -336,14 +419,15 @@ export class Stage {
 
   #drawExemplar() {
     if (!this.#exemplar) return;
-    const { context } = this.#size(this.#exemplarCanvas, this.#exemplar);
+    const scale = this.#exemplarScale;
+    const { context } = this.#size(this.#exemplarCanvas, this.#exemplar, scale);
     const { points, spacing } = this.#exemplar;
     const styles = this.#look.styles(this.#exemplar, this.#colours);
     drawPoints(context, this.#colours, points, {
       left: MARGIN,
       top: MARGIN,
-      scale: this.#scale,
-      radius: markRadius(spacing, this.#scale, areThings(points, styles)),
+      scale,
+      radius: markRadius(spacing, scale, areThings(points, styles)),
       styles,
       wrap: this.#wrap(this.#exemplar),
     });

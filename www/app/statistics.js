@@ -76,8 +76,7 @@ export class Statistics {
     if (!this.#opened) return;
     this.#opened = false;
     const calm = matchMedia('(prefers-reduced-motion: reduce)').matches;
-    // The numbers below the charts can wait; so the points stay in sight, too.
-    this.#panel.querySelector('.charts')?.scrollIntoView({ block: 'nearest', behavior: calm ? 'auto' : 'smooth' });
+    this.#panel.querySelector('.statistics-body')?.scrollIntoView({ block: 'nearest', behavior: calm ? 'auto' : 'smooth' });
   }
 
   /** Another run has begun. */
