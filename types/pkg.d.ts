@@ -20,6 +20,6 @@ declare module '*/pkg/pointweave_files.js' {
   export default function init(): Promise<unknown>;
   /** For those who hold the bytes of the module already. */
   export function initSync(options: { module: BufferSource }): unknown;
-  /** Answers one request, see `www/app/files-messages.js`. */
+  /** Answers one request, see `www/common/files-messages.js`. */
   export function answer(request: unknown): any;
 }

@@ -7,7 +7,7 @@
  */
 import init, { answer } from './pkg/pointweave_files.js';
 
-/** @typedef {import('./app/files-messages.js').BlobOptions} BlobOptions */
+/** @typedef {import('./common/files-messages.js').BlobOptions} BlobOptions */
 
 const ready = init();
 

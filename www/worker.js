@@ -37,7 +37,7 @@ function spelled(word) {
 /**
  * What the browser tells about the adapter that the module will get; the module itself can't ask.
  *
- * @returns {Promise<import('./app/messages.js').AdapterView | null>}
+ * @returns {Promise<import('./common/messages.js').AdapterView | null>}
  */
 async function describeAdapter() {
   const adapter = await navigator.gpu?.requestAdapter({ powerPreference: 'high-performance' }).catch(() => null);
@@ -55,7 +55,7 @@ let choices = 0;
 /**
  * Opens what was chosen.
  *
- * @param {import('./app/messages.js').EngineRequest} request
+ * @param {import('./common/messages.js').EngineRequest} request
  */
 async function prepareEngine(request) {
   await session;

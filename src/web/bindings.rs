@@ -28,7 +28,7 @@ impl WorkerSession {
         Self(Session::new())
     }
 
-    /// Answers one request. Requests and responses are plain objects, see `www/app/messages.js`.
+    /// Answers one request. Requests and responses are plain objects, see `www/common/messages.js`.
     pub fn handle(&mut self, request: JsValue) -> JsValue {
         let response = match read(&request) {
             Ok(request) => self.0.handle(request, &now),

@@ -5,7 +5,7 @@ use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 use super::files::{FilesResponse, respond};
 use super::messages;
 
-/// Answers one request. Requests and responses are plain objects, see `www/app/files-messages.js`.
+/// Answers one request. Requests and responses are plain objects, see `www/common/files-messages.js`.
 #[wasm_bindgen]
 pub fn answer(request: &JsValue) -> JsValue {
     console_error_panic_hook::set_once();

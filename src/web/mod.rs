@@ -2,9 +2,9 @@
 //!
 //! | module | what lives there |
 //! |---|---|
-//! | [`protocol`] | the messages, as two tagged unions; `www/app/messages.js` holds the same types for the page |
+//! | [`protocol`] | the messages, as two tagged unions; `www/common/messages.js` holds the same types for the page |
 //! | [`session`] | what a request does, without a browser in sight, so that it is tested natively |
-//! | [`files`] | the same for files and links, which are a module of their own; `www/app/files-messages.js` |
+//! | [`files`] | the same for files and links, which are a module of their own; `www/common/files-messages.js` |
 //! | [`pattern_data`] | a pattern as the two modules hand it to each other |
 //! | `bindings`, `files_bindings` | JavaScript values ⇄ messages (wasm only) |
 //!

@@ -622,7 +622,7 @@ pub(super) mod tests {
 
     #[test]
     fn the_page_knows_every_message() {
-        let typedefs = include_str!("../../www/app/messages.js");
+        let typedefs = include_str!("../../www/common/messages.js");
         let (requests, responses) = (tags::<Request>(), tags::<Response>());
         assert!(requests.contains(&"describe".to_owned()) && requests.contains(&"resume".to_owned()), "{requests:?}");
         assert!(responses.contains(&"batch".to_owned()) && responses.contains(&"error".to_owned()), "{responses:?}");

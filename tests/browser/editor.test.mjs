@@ -6,7 +6,7 @@ import { after, before, describe, test } from 'node:test';
 import { csvRows, downloadText, iterations, launch, parameter, pause, peek, status, withPage } from './browser.mjs';
 
 /** @typedef {import('playwright-core').Page} Page */
-/** @typedef {import('../../www/app/pattern.js').Pattern} Pattern */
+/** @typedef {import('../../www/common/pattern.js').Pattern} Pattern */
 /** @typedef {[number, number]} Pair */
 /**
  * @typedef {Omit<Pattern, 'positions' | 'classes' | 'attributes'> & { positions: number[], classes: number[],

@@ -118,16 +118,16 @@ describe('the page, once seen,', () => {
       await page.reload();
       await iterations(page, 1);
       const first = await versionOf(page);
-      await build(folder, 'app/words.js', marked, 'second');
+      await build(folder, 'common/words.js', marked, 'second');
       const other = await visit(browser);
       assert.equal(await versionOf(other), 'second');
       await iterations(other, 1);
-      assert.match(await later(other, 'app/words.js'), /the next build/);
-      assert.doesNotMatch(await later(page, 'app/words.js'), /the next build/);
+      assert.match(await later(other, 'common/words.js'), /the next build/);
+      assert.doesNotMatch(await later(page, 'common/words.js'), /the next build/);
       await other.waitForTimeout(1500);
-      assert.doesNotMatch(await later(page, 'app/words.js'), /the next build/);
+      assert.doesNotMatch(await later(page, 'common/words.js'), /the next build/);
       assert.equal(await versionOf(page), first);
-      assert.match(await later(other, 'app/words.js'), /the next build/);
+      assert.match(await later(other, 'common/words.js'), /the next build/);
     }),
   );
 
@@ -138,7 +138,7 @@ describe('the page, once seen,', () => {
       const first = await versionOf(page);
       await build(folder, 'common/base.css', marked, 'second');
       // Not what the list says: it was not copied yet.
-      await writeFile(join(folder, 'app/words.js'), marked(await readFile(join(folder, 'app/words.js'), 'utf8')));
+      await writeFile(join(folder, 'common/words.js'), marked(await readFile(join(folder, 'common/words.js'), 'utf8')));
       await page.reload();
       assert.equal(await versionOf(page), 'second');
       await page.waitForTimeout(1500);

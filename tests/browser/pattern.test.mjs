@@ -3,14 +3,14 @@
 import assert from 'node:assert/strict';
 import { describe, test } from 'node:test';
 
-import { History } from '../../www/app/history.js';
+import { History } from '../../www/common/history.js';
 import {
   add, adjust, along, assign, blank, clear, compact, contains, count, MAX_CLASSES, MAX_POINTS, mirror, move, nearest, remove,
   renamed, withAttribute, withBoundary, withClass, within,
-} from '../../www/app/pattern.js';
-import { sourceOf, viewOf } from '../../www/app/pattern-source.js';
+} from '../../www/common/pattern.js';
+import { sourceOf, viewOf } from '../../www/common/pattern-source.js';
 
-/** @typedef {import('../../www/app/pattern.js').Pattern} Pattern */
+/** @typedef {import('../../www/common/pattern.js').Pattern} Pattern */
 
 /** @param {[number, number][]} places @param {Partial<Pattern>} [more] */
 const of = (places, more = {}) => places.reduce((pattern, at) => add(pattern, at, 0), { ...blank(), ...more });

@@ -4,8 +4,8 @@ import assert from 'node:assert/strict';
 import { createServer } from 'node:http';
 import { describe, test } from 'node:test';
 
-import { fetchBytes, nameOf, NotFetched, requestedAddress, webAddress } from '../../www/app/fetching.js';
-import { offending } from '../../www/app/offending.js';
+import { fetchBytes, nameOf, NotFetched, requestedAddress, webAddress } from '../../www/common/fetching.js';
+import { offending } from '../../www/playground/import/offending.js';
 
 /** The marked part of the line that is wrong. @param {string} text @param {number} line @param {number | null} column */
 function marked(text, line, column) {

@@ -6,7 +6,7 @@ import { test } from 'node:test';
 
 import { answer } from './module.mjs';
 
-/** @typedef {import('../../www/app/files-messages.js').FilesRequest} FilesRequest */
+/** @typedef {import('../../www/common/files-messages.js').FilesRequest} FilesRequest */
 
 /** @param {string | Uint8Array} content @param {string} [name] */
 const read = (content, name = '') => {

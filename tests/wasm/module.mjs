@@ -7,8 +7,8 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
-/** @typedef {import('../../www/app/messages.js').Request} Request */
-/** @typedef {import('../../www/app/messages.js').Response} Response */
+/** @typedef {import('../../www/common/messages.js').Request} Request */
+/** @typedef {import('../../www/common/messages.js').Response} Response */
 /**
  * The members of a saved state these tests look at; see `SynthesisState` in `src/synthesis.rs`.
  * @typedef {{ points: [number, number][], losses: number[], 'total-iterations': number,
@@ -27,7 +27,7 @@ module.initSync({ module: readFileSync(join(PACKAGE, 'pointweave_bg.wasm')) });
 const files = await import(pathToFileURL(join(PACKAGE, 'pointweave_files.js')).href);
 files.initSync({ module: readFileSync(join(PACKAGE, 'pointweave_files_bg.wasm')) });
 
-/** What the worker for files asks of its module; see `www/app/files-messages.js`. */
+/** What the worker for files asks of its module; see `www/common/files-messages.js`. */
 export const answer = files.answer;
 
 /** What a worker holds, driven without a worker. */
@@ -37,7 +37,7 @@ export class Session {
   /**
    * @template {Request['type']} T
    * @param {Extract<Request, { type: T }>} request
-   * @returns {import('../../www/app/messages.js').Answers[T]}
+   * @returns {import('../../www/common/messages.js').Answers[T]}
    */
   ask(request) {
     const response = /** @type {Response} */ (this.#session.handle(request));

@@ -1,7 +1,7 @@
 // @ts-check
 /** What of the page's layout is remembered or moves: the drawer, the fold of the advanced settings, ways to the cards. */
-import { embedOptions } from '../app/embed.js';
-import { recall, remember } from '../app/memory.js';
+import { embedOptions } from './embed.js';
+import { recall, remember } from '../common/memory.js';
 
 /** Parts that fold, and their names in the browser's storage. The statistics remember themselves. */
 const FOLDS = { loss: 'pointweave.loss', 'advanced-fold': 'pointweave.advanced' };

@@ -20,7 +20,7 @@ fn bytes(answer: &Value) -> Vec<u8> {
 
 #[test]
 fn the_page_knows_every_message() {
-    let typedefs = include_str!("../../../www/app/files-messages.js");
+    let typedefs = include_str!("../../../www/common/files-messages.js");
     let (requests, responses) = (tags::<FilesRequest>(), tags::<FilesResponse>());
     assert!(requests.contains(&"read-link".to_owned()), "{requests:?}");
     assert!(responses.contains(&"link-read".to_owned()), "{responses:?}");

@@ -3,10 +3,10 @@
  * The result with what room there is, and the exemplar small beside or below it. The points glide from where they are drawn to where they are, so that
  * ten batches a second look like a movement; a paused run is drawn exactly.
  */
-import { areThings, drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { areThings, drawPoints, markRadius, prepare, readColours } from '../common/draw.js';
 
-/** @typedef {import('./messages.js').PatternView} PatternView */
-/** @typedef {import('./messages.js').Points} Points */
+/** @typedef {import('../common/messages.js').PatternView} PatternView */
+/** @typedef {import('../common/messages.js').Points} Points */
 
 /** Room around the domain inside a canvas, so that marks on the border are whole. */
 const MARGIN = 8;

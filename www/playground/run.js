@@ -3,11 +3,11 @@
  * One run at a time, pulled from the worker in short batches. While nobody asks nothing moves, so pausing is not
  * asking. Every few seconds the state is saved, for the case that the worker dies.
  */
-import { Refused, WorkerDied } from './worker-link.js';
+import { Refused, WorkerDied } from '../common/worker-link.js';
 
-/** @typedef {import('./messages.js').Source} Source */
-/** @typedef {import('./messages.js').BatchResponse} BatchResponse */
-/** @typedef {import('./messages.js').StartedResponse} StartedResponse */
+/** @typedef {import('../common/messages.js').Source} Source */
+/** @typedef {import('../common/messages.js').BatchResponse} BatchResponse */
+/** @typedef {import('../common/messages.js').StartedResponse} StartedResponse */
 /** @typedef {{ source: Source, preset: string, overrides: Record<string, number | string> }} Plan */
 
 /**
@@ -54,7 +54,7 @@ export class Run {
   #hooks;
 
   /**
-   * @param {import('./worker-link.js').WorkerLink} link
+   * @param {import('../common/worker-link.js').WorkerLink} link
    * @param {Hooks} hooks
    */
   constructor(link, hooks) {
@@ -170,7 +170,7 @@ export class Run {
   /**
    * Puts a hand on the result. A region to be done again sets a run going that was done.
    *
-   * @param {import('./messages.js').TouchRequest | import('./messages.js').ResynthesizeRequest} request
+   * @param {import('../common/messages.js').TouchRequest | import('../common/messages.js').ResynthesizeRequest} request
    * @returns {Promise<boolean>} whether it was done
    */
   async touch(request) {

@@ -3,18 +3,18 @@
  * The one way in for a person's own points, wherever they come from: a drop, the clipboard, the picker, an address. Everything is
  * read on this machine, shown with what was understood of it, and used only when the person says so.
  */
-import { areThings, drawPoints, markRadius, prepare, readColours, tracePreview } from './draw.js';
-import { fetchBytes, nameOf, NotFetched, requestedAddress, webAddress } from './fetching.js';
-import { LARGEST_FILE, Refused, WorkerDied } from './files.js';
+import { areThings, drawPoints, markRadius, prepare, readColours, tracePreview } from '../../common/draw.js';
+import { fetchBytes, nameOf, NotFetched, requestedAddress, webAddress } from '../../common/fetching.js';
+import { LARGEST_FILE, Refused, WorkerDied } from '../../common/files.js';
 import { offending } from './offending.js';
-import { viewOf } from './pattern-source.js';
-import { points } from './words.js';
+import { viewOf } from '../../common/pattern-source.js';
+import { points } from '../../common/words.js';
 
-/** @typedef {import('./messages.js').PatternData} PatternData */
-/** @typedef {import('./files-messages.js').Preview} Preview */
-/** @typedef {import('./files-messages.js').Project} Project */
-/** @typedef {import('./files-messages.js').ReadOptions} ReadOptions */
-/** @typedef {import('./files.js').BlobOptions} BlobOptions */
+/** @typedef {import('../../common/messages.js').PatternData} PatternData */
+/** @typedef {import('../../common/files-messages.js').Preview} Preview */
+/** @typedef {import('../../common/files-messages.js').Project} Project */
+/** @typedef {import('../../common/files-messages.js').ReadOptions} ReadOptions */
+/** @typedef {import('../../common/files.js').BlobOptions} BlobOptions */
 /** @typedef {'ask' | 'paste' | 'reading' | 'preview' | 'error'} Stage */
 /** @typedef {{ name: string, pattern: PatternData, preview: Preview, project: Project | null }} Imported */
 /**
@@ -62,8 +62,8 @@ export class Import {
   #dragsOwn = false;
 
   /**
-   * @param {import('./files.js').Files} files
-   * @param {import('./look.js').Look} styling
+   * @param {import('../../common/files.js').Files} files
+   * @param {import('../look.js').Look} styling
    * @param {{ use: (imported: Imported) => void }} hooks
    */
   constructor(files, styling, hooks) {
@@ -239,7 +239,7 @@ export class Import {
     }
   }
 
-  /** @param {import('./files.js').BlobsResponse} answer */
+  /** @param {import('../../common/files.js').BlobsResponse} answer */
   #found({ pattern, preview, threshold }) {
     const candidate = this.#candidate;
     if (!candidate) return;
@@ -274,7 +274,7 @@ export class Import {
 
   /**
    * @param {string} message a sentence of the library; those begin small and have no full stop
-   * @param {import('./worker-link.js').Refused['place']} [place]
+   * @param {import('../../common/worker-link.js').Refused['place']} [place]
    */
   #fail(message, place = null) {
     const candidate = this.#candidate;

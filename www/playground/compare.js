@@ -3,9 +3,9 @@
  * The result kept as A beside the one at hand, B, or in its place: what differs between their parameters, and how good
  * each is.
  */
-import { Refused, WorkerDied } from './worker-link.js';
+import { Refused, WorkerDied } from '../common/worker-link.js';
 
-/** @typedef {import('./messages.js').Parameters} Parameters */
+/** @typedef {import('../common/messages.js').Parameters} Parameters */
 
 /** So many differences are named; the rest are in the title. */
 const NAMED = 4;
@@ -27,7 +27,7 @@ export class Compare {
 
   /**
    * @param {import('./stage.js').Stage} stage
-   * @param {import('./worker-link.js').WorkerLink} link
+   * @param {import('../common/worker-link.js').WorkerLink} link
    * @param {{ announce: (text: string) => void, turned: () => void }} hooks `turned`: from one result to the other
    */
   constructor(stage, link, hooks) {

@@ -63,7 +63,7 @@ export function applyEmbedOptions() {
  * @property {() => Promise<unknown>} reset
  * @property {(fragment: string, run: boolean) => Promise<void>} openLink refuses with an error whose message is a sentence
  * @property {(name: string, bytes: Uint8Array, run: boolean) => Promise<void>} openData the same
- * @property {() => Promise<import('./messages.js').PatternData>} points of the result
+ * @property {() => Promise<import('../common/messages.js').PatternData>} points of the result
  * @property {() => boolean} isPrivate whether the points are the person's own, not the host's or the gallery's
  */
 

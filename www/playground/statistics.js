@@ -5,11 +5,11 @@
  * It asks the worker only while it is open, about once a second while the run plays, and so seldom that the run loses
  * less than a tenth of its time to it; after a pause, a step and at the end it asks at once.
  */
-import { CurveChart, outline, peak } from './curve-chart.js';
-import { recall, remember } from './memory.js';
-import { Refused } from './worker-link.js';
+import { CurveChart, outline, peak } from '../common/curve-chart.js';
+import { recall, remember } from '../common/memory.js';
+import { Refused } from '../common/worker-link.js';
 
-/** @typedef {import('./messages.js').AnalyzedResponse} Analyzed */
+/** @typedef {import('../common/messages.js').AnalyzedResponse} Analyzed */
 
 /** Name in the browser's storage. */
 const OPEN_KEY = 'pointweave.statistics';
@@ -48,7 +48,7 @@ export class Statistics {
   #opened = false;
 
   /**
-   * @param {import('./worker-link.js').WorkerLink} link
+   * @param {import('../common/worker-link.js').WorkerLink} link
    * @param {{ status: () => import('./run.js').Status, announce: (text: string) => void }} hooks
    */
   constructor(link, hooks) {
@@ -164,7 +164,7 @@ export class Statistics {
     if (this.#hooks.status() === 'finished') this.#hooks.announce(`Finished. ${verdict}`);
   }
 
-  /** @param {import('./messages.js').QualityView} quality */
+  /** @param {import('../common/messages.js').QualityView} quality */
   #showQuality({ score, arrangement, detail, variety, independent }) {
     const share = (/** @type {number} */ value) => `${100 * Math.min(Math.max(value, 0), 1)}%`;
     const random = independent < COPY;

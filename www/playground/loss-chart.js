@@ -1,6 +1,6 @@
 // @ts-check
 /** The loss of every iteration on a logarithmic axis, Gram and correlation apart, with a line where a scale begins. */
-import { prepare, readColours } from './draw.js';
+import { prepare, readColours } from '../common/draw.js';
 
 /** Below this a loss is zero as far as a picture goes. */
 const SMALLEST = 1e-9;
@@ -51,7 +51,7 @@ export class LossChart {
     if (this.#losses.length > 0) this.#scales.push(this.#losses.length);
   }
 
-  /** @param {import('./messages.js').LossTerms} loss */
+  /** @param {import('../common/messages.js').LossTerms} loss */
   add({ gram, correlation }) {
     this.#losses.push({ gram: gram[0] + gram[1] + gram[2], correlation });
     this.#redraw();

@@ -3,16 +3,16 @@
  * Drawing the exemplar: tools, gestures, keys. The pattern is never changed in place; a gesture drafts another one and
  * hands it to the history when it ends, so that undo takes back what a person did and not what an event did.
  */
-import { readColours, tracePreview } from './draw.js';
+import { readColours, tracePreview } from '../../common/draw.js';
 import { attributeRange, DrawingBoard, radii } from './drawing-board.js';
-import { History } from './history.js';
+import { History } from '../../common/history.js';
 import {
   add, adjust, along, assign, clear, contains, count, inside, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, mirror, move, nearest,
   remove, renamed, unit, withAttribute, withBoundary, withClass, within, withoutAttribute,
-} from './pattern.js';
-import { points } from './words.js';
+} from '../../common/pattern.js';
+import { points } from '../../common/words.js';
 
-/** @typedef {import('./pattern.js').Pattern} Pattern */
+/** @typedef {import('../../common/pattern.js').Pattern} Pattern */
 /** @typedef {[number, number]} Pair */
 /** @typedef {'draw' | 'select' | 'erase' | 'paint'} Tool */
 /** @typedef {{ pattern: Pattern, selection: ReadonlySet<number> }} State */

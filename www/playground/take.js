@@ -1,12 +1,12 @@
 // @ts-check
 /** The card "Take it with you": the result as a table, a picture, a tile, a project, or on the clipboard. */
-import { copy, takesPictures } from './clipboard.js';
-import { Refused, WorkerDied } from './files.js';
-import { points } from './words.js';
+import { copy, takesPictures } from '../common/clipboard.js';
+import { Refused, WorkerDied } from '../common/files.js';
+import { points } from '../common/words.js';
 
-/** @typedef {import('./messages.js').PatternData} PatternData */
-/** @typedef {import('./files-messages.js').FileFormat} FileFormat */
-/** @typedef {import('./files-messages.js').WrittenResponse} WrittenResponse */
+/** @typedef {import('../common/messages.js').PatternData} PatternData */
+/** @typedef {import('../common/files-messages.js').FileFormat} FileFormat */
+/** @typedef {import('../common/files-messages.js').WrittenResponse} WrittenResponse */
 
 /** Pixels a picture may be wide or high; the most that every browser's canvas holds. */
 const SIDE = { least: 64, most: 8192 };
@@ -18,7 +18,7 @@ const HOLD_MS = 10_000;
 /**
  * @typedef {object} Hooks
  * @property {() => { glyphs: Record<string, string>, palette: string }} look
- * @property {() => { title: string, source: import('./messages.js').Source }} chosen
+ * @property {() => { title: string, source: import('../common/messages.js').Source }} chosen
  * @property {(sentence: string) => void} complain
  * @property {(sentence: string) => void} announce
  */
@@ -52,8 +52,8 @@ export class Take {
   #width = /** @type {HTMLInputElement} */ (element('picture-width'));
 
   /**
-   * @param {import('./files.js').Files} files
-   * @param {import('./worker-link.js').WorkerLink} link
+   * @param {import('../common/files.js').Files} files
+   * @param {import('../common/worker-link.js').WorkerLink} link
    * @param {import('./run.js').Run} run
    * @param {import('./stage.js').Stage} stage
    * @param {Hooks} hooks

@@ -4,14 +4,14 @@
  * Every tab has a session of its own, so that two don't overwrite each other; a new tab begins anew.
  */
 
-/** @typedef {import('./messages.js').Source} Source */
+/** @typedef {import('../common/messages.js').Source} Source */
 
 /**
  * @typedef {object} Kept
  * @property {{ title: string, caption: string, source: Source, isOwn?: boolean }} chosen
  * @property {Record<string, string | boolean>} settings
  * @property {string} fragment the address's link, when this was kept
- * @property {import('./messages.js').Parameters} beyond what no control shows
+ * @property {import('../common/messages.js').Parameters} beyond what no control shows
  * @property {import('./run.js').Status} status
  * @property {string | null} state of the run; null when there is none or it is too large
  * @property {{ losses: { gram: number, correlation: number }[], scales: number[] }} curve

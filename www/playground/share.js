@@ -1,8 +1,8 @@
 // @ts-check
 /** The card "Share": a link that holds everything, and the page in a frame of another. */
-import { copyText } from './clipboard.js';
+import { copyText } from '../common/clipboard.js';
 import { PARTS } from './embed.js';
-import { LINK_LIMITS, Refused, WorkerDied } from './files.js';
+import { LINK_LIMITS, Refused, WorkerDied } from '../common/files.js';
 import { flash } from './take.js';
 
 /** What a frame hides unless it is asked for. */
@@ -19,9 +19,9 @@ const OFFERED = /** @type {const} */ ({
 
 /**
  * @typedef {object} Hooks
- * @property {() => { title: string, source: import('./messages.js').Source }} chosen
+ * @property {() => { title: string, source: import('../common/messages.js').Source }} chosen
  * @property {() => import('./run.js').Plan | null} plan of the run, with all its parameters
- * @property {(pattern: import('./messages.js').PatternData) => void} adopt goes on with the points as a link holds them
+ * @property {(pattern: import('../common/messages.js').PatternData) => void} adopt goes on with the points as a link holds them
  * @property {() => Promise<void>} saveProject
  * @property {(sentence: string) => void} announce
  */
@@ -42,7 +42,7 @@ export class Share {
   #hooks;
 
   /**
-   * @param {import('./files.js').Files} files
+   * @param {import('../common/files.js').Files} files
    * @param {Hooks} hooks
    */
   constructor(files, hooks) {
@@ -86,7 +86,7 @@ export class Share {
     return `${location.origin}${location.pathname}`;
   }
 
-  /** The link to what is there now. @returns {Promise<import('./files-messages.js').LinkWrittenResponse>} */
+  /** The link to what is there now. @returns {Promise<import('../common/files-messages.js').LinkWrittenResponse>} */
   async write() {
     const plan = this.#hooks.plan();
     if (!plan) throw new Error('there is no run yet');

@@ -3,7 +3,7 @@
  * Hands on the result: a point is dragged and held, a region is done again, by mouse, touch, pen or keyboard. The worker
  * does what is asked and answers with the points; until then a dragged point is drawn where the hand is.
  */
-import { points as countPoints } from './words.js';
+import { points as countPoints } from '../common/words.js';
 
 /** @typedef {import('./stage.js').Stage} Stage */
 /** @typedef {import('./run.js').Run} Run */

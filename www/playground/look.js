@@ -3,14 +3,14 @@
  * The look of the classes: a glyph for each, also one's own as SVG path data, and the palette. The module for files reads and
  * checks paths, so that the page draws what a file would hold; what was chosen stays in this browser.
  */
-import { prepare, readColours } from './draw.js';
-import { DISK, fill, glyph } from './glyphs.js';
-import { recall, remember } from './memory.js';
-import { Refused, WorkerDied } from './files.js';
+import { prepare, readColours } from '../common/draw.js';
+import { DISK, fill, glyph } from '../common/glyphs.js';
+import { recall, remember } from '../common/memory.js';
+import { Refused, WorkerDied } from '../common/files.js';
 
-/** @typedef {import('./glyphs.js').Glyph} Glyph */
-/** @typedef {import('./messages.js').PatternView} PatternView */
-/** @typedef {import('./draw.js').Colours} Colours */
+/** @typedef {import('../common/glyphs.js').Glyph} Glyph */
+/** @typedef {import('../common/messages.js').PatternView} PatternView */
+/** @typedef {import('../common/draw.js').Colours} Colours */
 
 /** Name in the browser's storage. */
 const KEY = 'pointweave.look';
@@ -42,7 +42,7 @@ export class Look {
   #swatches = [];
 
   /**
-   * @param {import('./files.js').Files} files
+   * @param {import('../common/files.js').Files} files
    * @param {() => void} changed
    */
   constructor(files, changed) {
@@ -81,7 +81,7 @@ export class Look {
     this.#changed();
   }
 
-  /** @param {import('./messages.js').GlyphView[]} views what the worker can draw */
+  /** @param {import('../common/messages.js').GlyphView[]} views what the worker can draw */
   learn(views) {
     this.#glyphs = new Map(views.map(({ name, outline }) => [name, glyph(name, outline)]));
     for (const chosen of new Set(this.#chosen.values())) {
@@ -112,7 +112,7 @@ export class Look {
    *
    * @param {PatternView} pattern
    * @param {Colours} colours
-   * @returns {import('./draw.js').Style[]}
+   * @returns {import('../common/draw.js').Style[]}
    */
   styles({ classNames, looks }, colours) {
     return looks.map((look, number) => {

@@ -5,11 +5,11 @@
  * The worker begins on the processor and is told the choice once a run has started, so that no device delays the
  * first picture. A new worker has to be told again.
  */
-import { recall, remember } from './memory.js';
-import { rate } from './words.js';
+import { recall, remember } from '../common/memory.js';
+import { rate } from '../common/words.js';
 
-/** @typedef {import('./messages.js').EngineChoice} EngineChoice */
-/** @typedef {import('./messages.js').EngineView} EngineView */
+/** @typedef {import('../common/messages.js').EngineChoice} EngineChoice */
+/** @typedef {import('../common/messages.js').EngineView} EngineView */
 
 const CHOICES = /** @type {const} */ (['auto', 'gpu', 'cpu']);
 /** Names in the browser's storage. */
@@ -39,7 +39,7 @@ export class Engine {
   #hooks;
 
   /**
-   * @param {import('./worker-link.js').WorkerLink} link
+   * @param {import('../common/worker-link.js').WorkerLink} link
    * @param {{ announce: (text: string) => void, checks: (checks: boolean) => void }} hooks `checks` hears when the
    *   worker begins and ends to open a device
    */

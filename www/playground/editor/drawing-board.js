@@ -1,9 +1,9 @@
 // @ts-check
 /** The surface a pattern is drawn on: from places to pixels and back, and everything that is to be seen on it. */
-import { prepare, readColours, traceMark } from './draw.js';
-import { count, nearest, unit } from './pattern.js';
+import { prepare, readColours, traceMark } from '../../common/draw.js';
+import { count, nearest, unit } from '../../common/pattern.js';
 
-/** @typedef {import('./pattern.js').Pattern} Pattern */
+/** @typedef {import('../../common/pattern.js').Pattern} Pattern */
 /** @typedef {[number, number]} Pair */
 /**
  * @typedef {object} Scene

@@ -1,18 +1,18 @@
 // @ts-check
 /** The playground: wires the controls, the worker and the canvases together. */
-import { areThings, drawPoints, markRadius, prepare, readColours } from './draw.js';
+import { areThings, drawPoints, markRadius, prepare, readColours } from '../common/draw.js';
 import { Compare } from './compare.js';
-import { Editor } from './editor.js';
+import { Editor } from './editor/editor.js';
 import { Host, applyEmbedOptions, embedOptions } from './embed.js';
 import { Engine } from './engine.js';
-import { Files } from './files.js';
-import { Import, capital } from './import.js';
+import { Files } from '../common/files.js';
+import { Import, capital } from './import/import.js';
 import { Look } from './look.js';
 import { LossChart } from './loss-chart.js';
 import '../playground/layout.js';
-import { keepForOffline } from './offline.js';
-import { blank, count } from './pattern.js';
-import { sourceOf, viewOf } from './pattern-source.js';
+import { keepForOffline } from '../common/offline.js';
+import { blank, count } from '../common/pattern.js';
+import { sourceOf, viewOf } from '../common/pattern-source.js';
 import { Run } from './run.js';
 import { Session, fillForm, readForm } from './session.js';
 import { Share, isLink } from './share.js';
@@ -20,15 +20,15 @@ import { Stage } from './stage.js';
 import { Statistics } from './statistics.js';
 import { Touch } from './touch.js';
 import { Take } from './take.js';
-import { duration, points, times } from './words.js';
-import { Refused, WorkerDied, WorkerLink } from './worker-link.js';
+import { duration, points, times } from '../common/words.js';
+import { Refused, WorkerDied, WorkerLink } from '../common/worker-link.js';
 
-/** @typedef {import('./messages.js').Source} Source */
-/** @typedef {import('./messages.js').GalleryEntryView} GalleryEntryView */
-/** @typedef {import('./messages.js').PatternView} PatternView */
-/** @typedef {import('./messages.js').Progress} Progress */
+/** @typedef {import('../common/messages.js').Source} Source */
+/** @typedef {import('../common/messages.js').GalleryEntryView} GalleryEntryView */
+/** @typedef {import('../common/messages.js').PatternView} PatternView */
+/** @typedef {import('../common/messages.js').Progress} Progress */
 /** @typedef {PatternView['boundary']} Boundary */
-/** @typedef {import('./pattern.js').Pattern} Pattern */
+/** @typedef {import('../common/pattern.js').Pattern} Pattern */
 /**
  * `isOwn`: opened or drawn here by the person; `value` is that of its card.
  * @typedef {{ title: string, caption: string, source: Source, isOwn?: boolean, value?: string }} Chosen
@@ -106,14 +106,14 @@ let chosen = { title: 'Rings', caption: '', source: { source: 'gallery', name: F
 let classNames = [];
 /** @type {Progress | null} */
 let progress = null;
-/** @type {import('./messages.js').Parameters | null} */
+/** @type {import('../common/messages.js').Parameters | null} */
 let parameters = null;
 let booted = false;
 /** The exemplar of the run at hand. @type {PatternView | null} */
 let shown = null;
 /** Whether the exemplar is the person's own, not the gallery's, a link's, or the page's around this one. */
 let isPrivate = false;
-/** What a link or a project says beyond the controls, or between what they can show. @type {import('./messages.js').Parameters} */
+/** What a link or a project says beyond the controls, or between what they can show. @type {import('../common/messages.js').Parameters} */
 let beyond = {};
 
 // ---------------------------------------------------------------------------------------------- notices
@@ -198,7 +198,7 @@ function onWorkerDeath(reason) {
 
 // ---------------------------------------------------------------------------------------------- the run
 
-/** @param {import('./messages.js').StartedResponse} started */
+/** @param {import('../common/messages.js').StartedResponse} started */
 function onStarted(started) {
   progress = started.progress;
   classNames = started.exemplar.classNames;
@@ -229,7 +229,7 @@ function onStarted(started) {
   statistics.restart();
 }
 
-/** @param {import('./messages.js').BatchResponse} batch */
+/** @param {import('../common/messages.js').BatchResponse} batch */
 function onBatch(batch) {
   const scaleBefore = progress?.scale;
   progress = batch.progress;
@@ -509,7 +509,7 @@ settings.addEventListener('submit', (event) => {
   beginSoon();
 });
 
-/** @param {import('./messages.js').DescriptionResponse} description */
+/** @param {import('../common/messages.js').DescriptionResponse} description */
 function showDescription({ engine: processor, presets, ranges, glyphs }) {
   engine.describe(processor);
   look.learn(glyphs);
@@ -679,7 +679,7 @@ async function openData(name, bytes, play, isOwn = false) {
  *
  * @param {string} title
  * @param {string} caption
- * @param {import('./messages.js').PatternData} pattern
+ * @param {import('../common/messages.js').PatternData} pattern
  * @param {boolean} isOwn
  * @param {string} [value] of its card
  * @returns {Promise<PatternView>}
@@ -701,7 +701,7 @@ async function openPattern(title, caption, pattern, isOwn, value) {
  * Sets the controls to a preset and what differs from it; what they can't show is kept beside them.
  *
  * @param {string} preset
- * @param {import('./messages.js').Parameters} overrides
+ * @param {import('../common/messages.js').Parameters} overrides
  */
 function applySettings(preset, overrides) {
   firstPreset = preset;
@@ -722,8 +722,8 @@ function applySettings(preset, overrides) {
 /**
  * Goes on with a project, paused, where it was saved.
  *
- * @param {import('./files-messages.js').Project} project
- * @param {import('./messages.js').PatternData} pattern
+ * @param {import('../common/files-messages.js').Project} project
+ * @param {import('../common/messages.js').PatternData} pattern
  * @param {boolean} isOwn
  */
 async function openProject(project, pattern, isOwn) {
@@ -751,7 +751,7 @@ function freeValue(kind) {
   }
 }
 
-/** @param {import('./import.js').Imported} imported */
+/** @param {import('./import/import.js').Imported} imported */
 async function useImported({ name, pattern, preview, project }) {
   unnotify();
   try {
@@ -777,7 +777,7 @@ const editor = new Editor({ weave: useDrawing, closed: onEditorClosed });
  * The drawing under way: the card it has or will have, and what there was before it began.
  *
  * @type {{ value: string, title: string, isNew: boolean, woven: Pattern | null,
- *   before: { chosen: Chosen, boundary: Boundary, beyond: import('./messages.js').Parameters } }}
+ *   before: { chosen: Chosen, boundary: Boundary, beyond: import('../common/messages.js').Parameters } }}
  */
 let drawing;
 
@@ -940,9 +940,9 @@ async function openLink(fragment, play) {
  * Shows a link's exemplar, and how long its run would take.
  *
  * @param {PatternView} exemplar
- * @param {import('./messages.js').Parameters} all
+ * @param {import('../common/messages.js').Parameters} all
  * @param {string[]} notes
- * @param {import('./files-messages.js').Cost} cost
+ * @param {import('../common/files-messages.js').Cost} cost
  */
 function waitForPerson(exemplar, all, notes, cost) {
   run.clear();
@@ -985,7 +985,7 @@ window.addEventListener('hashchange', () => {
   }
 });
 
-/** The exemplar as a link holds it, so that whoever opens the link has the same run. @param {import('./messages.js').PatternData} pattern */
+/** The exemplar as a link holds it, so that whoever opens the link has the same run. @param {import('../common/messages.js').PatternData} pattern */
 async function adopt(pattern) {
   await openPattern(chosen.title, chosen.caption, pattern, isPrivate);
   await begin(true);
