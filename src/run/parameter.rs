@@ -171,15 +171,9 @@ impl Parameter {
                 let Some(number) = number else {
                     return Err(ParameterError::NotANumber { name, value: value.to_string(), min, max });
                 };
-                // Written so that NaN is refused too.
-                if !(number >= min && number <= max) {
-                    return Err(ParameterError::Range { name, value: number, min, max });
-                }
+                self.check_number(number)?;
                 if !whole {
                     return Ok(value.clone());
-                }
-                if number.fract() != 0.0 {
-                    return Err(ParameterError::NotWhole { name, value: number });
                 }
                 // In range, hence exact in both.
                 Ok(value.as_u64().map_or_else(|| Value::from(number as u64), Value::from))
@@ -196,6 +190,25 @@ impl Parameter {
         }
     }
 
+    /// Checks a number that JSON may not be able to hold.
+    ///
+    /// # Errors
+    /// When it is out of range (NaN is), should be whole and is not, or the parameter is a word.
+    pub fn check_number(&self, value: f64) -> Result<(), ParameterError> {
+        let name = self.name;
+        let Kind::Number { min, max, whole } = self.kind else {
+            return self.check(&Value::from(value)).map(|_| ());
+        };
+        // Written so that NaN is refused too.
+        if !(value >= min && value <= max) {
+            return Err(ParameterError::Range { name, value, min, max });
+        }
+        if whole && value.fract() != 0.0 {
+            return Err(ParameterError::NotWhole { name, value });
+        }
+        Ok(())
+    }
+
     /// The same for text, as on a command line.
     ///
     /// # Errors
@@ -204,9 +217,7 @@ impl Parameter {
         match self.kind {
             Kind::Choice(_) => self.check(&Value::from(text)),
             Kind::Number { min, max, .. } => match text.parse::<f64>() {
-                // JSON has no such number.
-                Ok(value) if !value.is_finite() => Err(ParameterError::Range { name: self.name, value, min, max }),
-                Ok(value) => self.check(&Value::from(value)),
+                Ok(value) => self.check_number(value).and_then(|()| self.check(&Value::from(value))),
                 Err(_) => Err(ParameterError::NotANumber { name: self.name, value: format!("{text:?}"), min, max }),
             },
         }

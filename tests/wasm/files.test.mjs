@@ -34,7 +34,7 @@ test('a project holds a run as it is, and goes on', () => {
   const { pattern } = read('0.1 0.2\n0.5 0.7\n');
   const state = JSON.stringify({ version: 1, exemplar: {}, losses: [0.1, 1e-300], seed: 9007199254740991 });
   const { bytes } = answer({
-    type: 'write-project', title: 'Mine', preset: 'fast', overrides: { seed: 3 }, exemplar: pattern, output: pattern, state,
+    type: 'write-project', title: 'Mine', method: 'network', preset: 'fast', overrides: { seed: 3 }, exemplar: pattern, output: pattern, state,
   });
   const { project, pattern: exemplar } = read(bytes, 'mine.json');
   assert.deepEqual([exemplar, project.output, project.overrides], [pattern, pattern, { seed: 3 }]);
@@ -50,7 +50,7 @@ test('golden links are read as natively', () => {
     assert.deepEqual([link.type, link.preset, link.overrides], ['link-read', preset, overrides], name);
     if (gallery) assert.deepEqual(link.exemplar, { gallery }, name);
     else assert.deepEqual(Array.from(link.exemplar.pattern.positions), exemplar.positions.flat(), name);
-    const again = answer({ type: 'write-link', exemplar: link.exemplar, preset, overrides });
+    const again = answer({ type: 'write-link', exemplar: link.exemplar, method: 'network', preset, overrides });
     assert.equal(again.exact, true, name);
     // What a preset has taken over since is no longer written, and means the same.
     const back = answer({ type: 'read-link', fragment: again.fragment });

@@ -47,7 +47,7 @@ export class Session {
 
   /** @param {string} name @param {Record<string, number | string>} overrides */
   start(name, overrides) {
-    return this.ask({ type: 'start', exemplar: { source: 'gallery', name }, preset: 'fast', overrides });
+    return this.ask({ type: 'start', exemplar: { source: 'gallery', name }, method: 'network', preset: 'fast', overrides });
   }
 
   /**

@@ -16,8 +16,8 @@ export function readColours() {
     soft: get('--soft'),
     card: get('--card'),
     accent: get('--accent'),
-    gram: get('--gram'),
-    correlation: get('--correlation'),
+    /** Of the terms of a loss, in the order of the method's description. */
+    terms: ['--term-0', '--term-1', '--term-2', '--term-3'].map(get),
     classes: Array.from({ length: 8 }, (_, index) => get(`--class-${index}`)),
   };
 }

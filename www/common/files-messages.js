@@ -1,6 +1,6 @@
 // @ts-check
 /**
- * The messages between the page and the worker for files: the JavaScript side of `src/web/files.rs`, member by member.
+ * The messages between the page and the worker for files: the JavaScript side of `src/web/files/protocol.rs`, member by member.
  * A Rust unit test checks that every message there has its typedef here. The page asks through `files.js`.
  */
 
@@ -21,10 +21,10 @@
 /** @typedef {{ type: 'write', format: FileFormat, pattern: PatternData, title: string, tile: boolean, glyphs: Record<string, string>, palette: string }} WriteRequest */
 /** @typedef {{ type: 'glyph', name: string }} GlyphRequest */
 /**
- * @typedef {{ type: 'write-project', title: string, preset: string, overrides: Parameters, exemplar: PatternData,
+ * @typedef {{ type: 'write-project', title: string, method: string, preset: string, overrides: Parameters, exemplar: PatternData,
  *   output: PatternData | null, state: string | null }} WriteProjectRequest
  */
-/** @typedef {{ type: 'write-link', exemplar: LinkExemplar, preset: string, overrides: Parameters }} WriteLinkRequest */
+/** @typedef {{ type: 'write-link', exemplar: LinkExemplar, method: string, preset: string, overrides: Parameters }} WriteLinkRequest */
 /** @typedef {{ type: 'read-link', fragment: string }} ReadLinkRequest */
 /** @typedef {ReadRequest | BlobsRequest | WriteRequest | GlyphRequest | WriteProjectRequest | WriteLinkRequest | ReadLinkRequest} FilesRequest */
 
@@ -36,7 +36,7 @@
 /** @typedef {{ type: 'glyph', outline: string }} GlyphResponse */
 /** @typedef {{ type: 'link-written', fragment: string, pattern: PatternData, exact: boolean, note: string | null }} LinkWrittenResponse */
 /**
- * @typedef {{ type: 'link-read', exemplar: LinkExemplar, preset: string, overrides: Parameters, parameters: Parameters,
+ * @typedef {{ type: 'link-read', exemplar: LinkExemplar, method: string, preset: string, overrides: Parameters, parameters: Parameters,
  *   notes: string[], preview: Preview, cost: Cost }} LinkReadResponse
  */
 /** @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null }} FilesErrorResponse */
@@ -55,7 +55,7 @@
  */
 /**
  * A saved session; the pattern beside it is the exemplar. `state` is for the engine's `resume`.
- * @typedef {{ title: string, preset: string, overrides: Parameters, output: PatternData | null, state: string | null }} Project
+ * @typedef {{ title: string, method: string, preset: string, overrides: Parameters, output: PatternData | null, state: string | null }} Project
  */
 /**
  * What a run would take: points of the output, billions of operations, and about how many seconds on the processor. `autoRun` says

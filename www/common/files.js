@@ -90,7 +90,7 @@ export class Files {
   /**
    * The whole session as a JSON file. Read again it goes on as the very same run: `state` is what the engine's `save` answers.
    *
-   * @param {{ title: string, preset: string, overrides: Parameters, exemplar: PatternData, output: PatternData | null,
+   * @param {{ title: string, method: string, preset: string, overrides: Parameters, exemplar: PatternData, output: PatternData | null,
    *   state: string | null }} project
    * @returns {Promise<WrittenResponse>}
    */
@@ -104,12 +104,13 @@ export class Files {
    * receiver gets, `exact` whether that is the pattern given, so a page can go on with the very same one.
    *
    * @param {LinkExemplar} exemplar
+   * @param {string} method
    * @param {string} preset
    * @param {Parameters} overrides all parameters or only some; what the preset has anyway is left out
    * @returns {Promise<LinkWrittenResponse>}
    */
-  writeLink(exemplar, preset, overrides) {
-    return this.#ask({ type: 'write-link', exemplar, preset, overrides });
+  writeLink(exemplar, method, preset, overrides) {
+    return this.#ask({ type: 'write-link', exemplar, method, preset, overrides });
   }
 
   /**

@@ -20,11 +20,11 @@
 /** @typedef {{ type: 'engine', choice: EngineChoice, adapter?: AdapterView | null }} EngineRequest */
 /** @typedef {{ type: 'gallery' }} GalleryRequest */
 /** @typedef {{ type: 'open', exemplar: Source }} OpenRequest */
-/** @typedef {{ type: 'start', exemplar: Source, preset: string, overrides: Record<string, number | string> }} StartRequest */
+/** @typedef {{ type: 'start', exemplar: Source, method: string, preset: string, overrides: Record<string, number | string> }} StartRequest */
 /** @typedef {{ type: 'run', budgetMs: number, maxIterations: number }} RunRequest */
-/** Indices are those of `Points`; without positions the points stay where they are. @typedef {{ type: 'touch', points: Uint16Array, positions: Float64Array, pinned: boolean }} TouchRequest */
+/** Points are named by their ids; without positions they stay where they are. @typedef {{ type: 'touch', points: Uint32Array, positions: Float64Array, pinned: boolean }} TouchRequest */
 /** Corners of a polygon, x, y, x, y, … @typedef {{ type: 'resynthesize', region: Float64Array }} ResynthesizeRequest */
-/** @typedef {{ type: 'continue', preset: string, overrides: Record<string, number | string> }} ContinueRequest */
+/** @typedef {{ type: 'continue', method: string, preset: string, overrides: Record<string, number | string> }} ContinueRequest */
 /** @typedef {{ type: 'analyze' }} AnalyzeRequest */
 /** @typedef {{ type: 'export' }} ExportRequest */
 /** @typedef {{ type: 'save' }} SaveRequest */
@@ -36,11 +36,11 @@
  */
 
 // What the worker answers.
-/** @typedef {{ type: 'description', version: string, engine: EngineView, presets: PresetView[], ranges: RangeView[], glyphs: GlyphView[] }} DescriptionResponse */
+/** @typedef {{ type: 'description', version: string, engine: EngineView, methods: MethodView[], glyphs: GlyphView[] }} DescriptionResponse */
 /** @typedef {{ type: 'engine', engine: EngineView, note: string | null, adapter: AdapterView | null }} EngineResponse the worker adds `adapter` */
 /** @typedef {{ type: 'gallery', entries: GalleryEntryView[] }} GalleryResponse */
 /** @typedef {{ type: 'opened', exemplar: PatternView, pattern: PatternData }} OpenedResponse */
-/** @typedef {{ type: 'started', exemplar: PatternView, output: PatternView, parameters: Parameters, progress: Progress }} StartedResponse */
+/** @typedef {{ type: 'started', method: string, exemplar: PatternView, output: PatternView, parameters: Parameters, progress: Progress }} StartedResponse */
 /**
  * @typedef {{ type: 'batch', events: RunEvent[], progress: Progress, points: Points | null,
  *   iterationsPerSecond: number | null, secondsLeft: number | null,
@@ -48,7 +48,8 @@
  */
 /**
  * Lengths in mean spacings d of the exemplar, frequencies in cycles per d.
- * @typedef {{ type: 'analyzed', exemplar: CurvesView, output: CurvesView, distance: Float32Array, interval: number,
+ * @typedef {{ type: 'analyzed', exemplar: CurvesView, output: CurvesView,
+ *   periodogram: { exemplar: SpectrumView, output: SpectrumView }, distance: Float32Array, interval: number,
  *   quality: QualityView, defects: DefectsView, verdict: string, iterations: number, workMs: number }} AnalyzedResponse
  */
 /** @typedef {{ type: 'exported', pattern: PatternData }} ExportedResponse */
@@ -68,14 +69,24 @@
 // What they hold.
 /** @typedef {{ gpu: boolean, name: string, meaning: string }} EngineView */
 /** @typedef {{ name: string, title: string, meaning: string, parameters: Parameters }} PresetView */
-/** @typedef {{ name: string, min: number, max: number, whole: boolean, meaning: string }} RangeView */
+/**
+ * A method in its own words: what the page offers of it is built from this.
+ * @typedef {{ name: string, title: string, meaning: string, presets: PresetView[], parameters: ParameterView[], tools: Tool[],
+ *   losses: LossView[] }} MethodView
+ */
+/** @typedef {'move' | 'pin' | 'redo-region' | 'continue' | 'gpu'} Tool */
+/** @typedef {{ name: string, title: string, meaning: string, place: 'main' | 'advanced', group: string, kind: KindView }} ParameterView */
+/** @typedef {{ number: { min: number, max: number, whole: boolean } } | { choice: { options: OptionView[] } }} KindView */
+/** @typedef {{ name: string, title: string, meaning: string }} OptionView */
+/** @typedef {{ name: string, title: string }} LossView */
 /** @typedef {{ name: string, title: string, caption: string, pattern: PatternView }} GalleryEntryView */
 /** @typedef {{ name: string, outline: string }} GlyphView */
 /** @typedef {{ glyph: string, color: number }} ClassLookView */
 /**
- * The last four are empty where the pattern does not say; see `src/web/protocol.rs` for their units.
- * @typedef {{ positions: Float32Array, classes: Uint16Array, radii: Float32Array, scales: Float32Array,
- *   turns: Float32Array, depths: Float32Array, pinned: Uint16Array }} Points
+ * An id stays with its point while others come and go; `pinned` holds ids. Radii, scales, turns and depths are empty where the
+ * pattern does not say; see `src/web/protocol.rs` for their units.
+ * @typedef {{ ids: Uint32Array, positions: Float32Array, classes: Uint16Array, radii: Float32Array, scales: Float32Array,
+ *   turns: Float32Array, depths: Float32Array, pinned: Uint32Array }} Points
  */
 /**
  * @typedef {{ points: Points, classNames: string[], looks: ClassLookView[], size: [number, number], min: [number, number], unit: number,
@@ -85,6 +96,11 @@
  * @typedef {{ pairCorrelation: Float32Array, nearest: Float32Array, spacing: number, frequency: Float32Array,
  *   power: Float32Array, relativeRadius: number }} CurvesView
  */
+/**
+ * Power, row after row from the lowest frequency along y on; the middle is the frequency 0, `reach` the highest along x and y in
+ * cycles per d.
+ * @typedef {{ width: number, height: number, power: Float32Array, reach: [number, number] }} SpectrumView
+ */
 /** @typedef {{ score: number, arrangement: number, detail: number, variety: number, independent: number }} QualityView */
 /** @typedef {{ stacked: number, holes: number, border: number | null }} DefectsView */
 /** @typedef {Record<string, number | string>} Parameters */
@@ -92,9 +108,9 @@
  * @typedef {{ class: number, turn: number, classes: number, scale: number, scales: number, restart: number, restarts: number, redoing: boolean,
  *   iteration: number, iterations: number, totalIterations: number, done: number }} Progress
  */
-/** @typedef {{ gram: [number, number, number], correlation: number }} LossTerms */
+/** A named term of the loss. @typedef {{ name: string, value: number }} Loss */
 /** @typedef {{ type: 'scale-started', progress: Progress, sigma: number, grid: [number, number] }} ScaleStartedEvent */
-/** @typedef {{ type: 'iterated', progress: Progress, loss: LossTerms }} IteratedEvent */
+/** @typedef {{ type: 'iterated', progress: Progress, losses: Loss[] }} IteratedEvent */
 /** @typedef {{ type: 'scale-finished', progress: Progress, converged: boolean }} ScaleFinishedEvent */
 /** @typedef {{ type: 'finished' }} FinishedEvent */
 /** @typedef {ScaleStartedEvent | IteratedEvent | ScaleFinishedEvent | FinishedEvent} RunEvent */

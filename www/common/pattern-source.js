@@ -29,13 +29,14 @@ export function viewOf(pattern) {
   const side = unit(pattern);
   return {
     points: {
+      ids: Uint32Array.from(pattern.classes.keys()),
       positions: Float32Array.from(pattern.positions, (value, i) => (value - (i % 2 === 0 ? left : top)) / side),
       classes: pattern.classes,
       radii: Float32Array.from(pattern.attributes.find(({ name }) => name === 'radius')?.values ?? [], (r) => r / side),
       scales: new Float32Array(),
       turns: new Float32Array(),
       depths: new Float32Array(),
-      pinned: new Uint16Array(),
+      pinned: new Uint32Array(),
     },
     looks: pattern.classNames.map((_, color) => ({ glyph: MARKS[color % MARKS.length], color })),
     classNames: pattern.classNames,

@@ -1,5 +1,5 @@
 // @ts-check
-/** The loss of every iteration on a logarithmic axis, Gram and correlation apart, with a line where a scale begins. */
+/** The terms of the loss in every iteration, whatever the method calls them, on a logarithmic axis, with a line where a scale begins. */
 import { prepare, readColours } from '../common/draw.js';
 
 /** Below this a loss is zero as far as a picture goes. */
@@ -10,7 +10,10 @@ const FOOT = 18;
 export class LossChart {
   #canvas = /** @type {HTMLCanvasElement} */ (document.getElementById('loss-canvas'));
   #colours = readColours();
-  /** @type {{ gram: number, correlation: number }[]} */
+  #key = /** @type {HTMLElement} */ (document.getElementById('loss-key'));
+  /** The method's terms, in the order of their colours. @type {import('../common/messages.js').LossView[]} */
+  #terms = [];
+  /** For every iteration the terms by their names. @type {Record<string, number>[]} */
   #losses = [];
   /** @type {number[]} iterations before each scale */
   #scales = [];
@@ -26,7 +29,20 @@ export class LossChart {
 
   /** Total loss of every iteration so far. */
   get totals() {
-    return this.#losses.map(({ gram, correlation }) => gram + correlation);
+    return this.#losses.map((terms) => Object.values(terms).reduce((sum, value) => sum + value, 0));
+  }
+
+  /** Shows the terms of a method from now on. @param {import('../common/messages.js').LossView[]} terms */
+  describe(terms) {
+    this.#terms = terms;
+    this.#key.replaceChildren(
+      ...terms.flatMap(({ title }, index) => {
+        const mark = document.createElement('i');
+        mark.className = `term-${index}`;
+        return [mark, `${title} `];
+      }),
+    );
+    this.#redraw();
   }
 
   /** The curve as numbers, for another visit. */
@@ -51,9 +67,9 @@ export class LossChart {
     if (this.#losses.length > 0) this.#scales.push(this.#losses.length);
   }
 
-  /** @param {import('../common/messages.js').LossTerms} loss */
-  add({ gram, correlation }) {
-    this.#losses.push({ gram: gram[0] + gram[1] + gram[2], correlation });
+  /** @param {import('../common/messages.js').Loss[]} losses */
+  add(losses) {
+    this.#losses.push(Object.fromEntries(losses.map(({ name, value }) => [name, value])));
     this.#redraw();
   }
 
@@ -72,8 +88,8 @@ export class LossChart {
     context.font = `12px ${getComputedStyle(this.#canvas).fontFamily}`;
     context.lineWidth = 1;
     let [low, high] = [Infinity, -Infinity];
-    for (const { gram, correlation } of this.#losses) {
-      for (const value of [gram, correlation]) {
+    for (const terms of this.#losses) {
+      for (const value of Object.values(terms)) {
         if (value <= SMALLEST) continue;
         low = Math.min(low, value);
         high = Math.max(high, value);
@@ -131,20 +147,18 @@ export class LossChart {
 
     context.lineJoin = 'round';
     context.lineWidth = 1.5;
-    for (const term of /** @type {const} */ (['gram', 'correlation'])) {
-      context.strokeStyle = this.#colours[term];
+    for (const [place, { name }] of this.#terms.entries()) {
+      context.strokeStyle = this.#colours.terms[place % this.#colours.terms.length];
       context.beginPath();
       // At most a few vertices a pixel, however long the run.
       const stride = Math.max(1, Math.floor(count / (4 * width)));
-      for (let index = 0; index < count; index += stride) context.lineTo(x(index), y(this.#losses[index][term]));
-      if (count === 1) context.lineTo(x(0) + 2, y(this.#losses[0][term]));
+      for (let index = 0; index < count; index += stride) context.lineTo(x(index), y(this.#losses[index][name] ?? 0));
+      if (count === 1) context.lineTo(x(0) + 2, y(this.#losses[0][name] ?? 0));
       context.stroke();
     }
     const last = this.#losses[count - 1];
-    this.#canvas.setAttribute(
-      'aria-label',
-      `Loss after ${count} iterations: Gram ${last.gram.toPrecision(2)}, correlation ${last.correlation.toPrecision(2)}`,
-    );
+    const words = this.#terms.map(({ name, title }) => `${title} ${(last[name] ?? 0).toPrecision(2)}`);
+    this.#canvas.setAttribute('aria-label', `Loss after ${count} iterations: ${words.join(', ')}`);
   }
 }
 

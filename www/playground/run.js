@@ -8,7 +8,7 @@ import { Refused, WorkerDied } from '../common/worker-link.js';
 /** @typedef {import('../common/messages.js').Source} Source */
 /** @typedef {import('../common/messages.js').BatchResponse} BatchResponse */
 /** @typedef {import('../common/messages.js').StartedResponse} StartedResponse */
-/** @typedef {{ source: Source, preset: string, overrides: Record<string, number | string> }} Plan */
+/** @typedef {{ source: Source, method: string, preset: string, overrides: Record<string, number | string> }} Plan */
 
 /**
  * - `empty`: nothing started yet
@@ -108,8 +108,8 @@ export class Run {
     const epoch = ++this.#epoch;
     this.#loop = null;
     try {
-      const { source, preset, overrides } = plan;
-      const started = await this.#link.ask({ type: 'start', exemplar: source, preset, overrides });
+      const { source, method, preset, overrides } = plan;
+      const started = await this.#link.ask({ type: 'start', exemplar: source, method, preset, overrides });
       if (epoch !== this.#epoch) return false;
       this.#plan = plan;
       this.#adopt(started, play);
@@ -145,8 +145,8 @@ export class Run {
     this.#loop = null;
     const playing = this.#status === 'playing';
     try {
-      const { preset, overrides } = plan;
-      const started = await this.#link.ask({ type: 'continue', preset, overrides });
+      const { method, preset, overrides } = plan;
+      const started = await this.#link.ask({ type: 'continue', method, preset, overrides });
       if (epoch !== this.#epoch) return false;
       this.#epoch++;
       this.#plan = plan;

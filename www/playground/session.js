@@ -14,7 +14,7 @@
  * @property {import('../common/messages.js').Parameters} beyond what no control shows
  * @property {import('./run.js').Status} status
  * @property {string | null} state of the run; null when there is none or it is too large
- * @property {{ losses: { gram: number, correlation: number }[], scales: number[] }} curve
+ * @property {{ losses: Record<string, number>[], scales: number[] }} curve
  */
 
 /** Of what is stored; another one is as good as nothing. */

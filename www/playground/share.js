@@ -92,7 +92,7 @@ export class Share {
     if (!plan) throw new Error('there is no run yet');
     const { source } = this.#hooks.chosen();
     const exemplar = source.source === 'gallery' ? { gallery: source.name } : { pattern: source.pattern };
-    return this.#files.writeLink(exemplar, plan.preset, plan.overrides);
+    return this.#files.writeLink(exemplar, plan.method, plan.preset, plan.overrides);
   }
 
   /** @param {unknown} error @returns {string} */

@@ -96,9 +96,17 @@ export class Stage {
     return this.#output?.points.positions ?? new Float32Array();
   }
 
-  /** Which of the points are pinned. */
+  /** What the points are called, in the order of `positions`. */
+  get ids() {
+    return this.#output?.points.ids ?? new Uint32Array();
+  }
+
+  /** Which of the points are pinned, as places in `positions`. */
   get pinned() {
-    return this.#output?.points.pinned ?? new Uint16Array();
+    if (!this.#output) return new Uint32Array();
+    const { ids, pinned } = this.#output.points;
+    const held = new Set(pinned);
+    return Uint32Array.from(ids.keys()).filter((index) => held.has(ids[index]));
   }
 
   /** Whether a place on the canvas is one place in the pattern. */
@@ -234,11 +242,27 @@ export class Stage {
   /** @param {Points} points */
   move(points) {
     if (!this.#output) return;
+    const before = this.#output.points.ids;
     this.#output.points = points;
-    if (this.#drawn.length !== points.positions.length || this.#reducedMotion.matches) {
-      this.#drawn = points.positions.slice();
-    }
+    if (this.#reducedMotion.matches) this.#drawn = points.positions.slice();
+    else if (!same(before, points.ids)) this.#drawn = this.#carried(before, points);
     this.#animate();
+  }
+
+  /**
+   * Where points that came and went are drawn: those that stayed go on from where they are, new ones stand where they belong.
+   *
+   * @param {Uint32Array} before the ids so far
+   * @param {Points} points
+   */
+  #carried(before, { ids, positions }) {
+    const places = new Map(Array.from(before, (id, index) => [id, index]));
+    const drawn = positions.slice();
+    for (const [index, id] of ids.entries()) {
+      const place = places.get(id);
+      if (place !== undefined) drawn.set(this.#drawn.subarray(2 * place, 2 * place + 2), 2 * index);
+    }
+    return drawn;
   }
 
   /** How high a picture of that width is. @param {number} width in pixels @param {boolean} tile */
@@ -558,3 +582,6 @@ export class Stage {
     return arrived;
   }
 }
+
+/** @param {Uint32Array} a @param {Uint32Array} b */
+const same = (a, b) => a.length === b.length && a.every((id, index) => id === b[index]);

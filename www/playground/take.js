@@ -172,6 +172,7 @@ export class Take {
     ]);
     const { bytes, mime, extension } = await this.#files.writeProject({
       title,
+      method: plan.method,
       preset: plan.preset,
       overrides: plan.overrides,
       exemplar: pattern,

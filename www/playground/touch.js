@@ -7,7 +7,7 @@ import { points as countPoints } from '../common/words.js';
 
 /** @typedef {import('./stage.js').Stage} Stage */
 /** @typedef {import('./run.js').Run} Run */
-/** @typedef {{ index: number, pointer: number, start: [number, number], from: [number, number], pinned: boolean, moved: boolean }} Drag */
+/** @typedef {{ index: number, id: number, pointer: number, start: [number, number], from: [number, number], pinned: boolean, moved: boolean }} Drag */
 /** @typedef {Drag & { timer: ReturnType<typeof setTimeout> }} Press */
 /** @typedef {{ say: string, run: () => Promise<boolean> }} Undo */
 
@@ -164,21 +164,21 @@ export class Touch {
   }
 
   /**
-   * @param {number[]} indices
+   * @param {number[]} ids
    * @param {number[]} positions
    * @param {boolean} pinned
    */
-  #tell(indices, positions, pinned) {
+  #tell(ids, positions, pinned) {
     return this.#run.touch({
       type: 'touch',
-      points: Uint16Array.from(indices),
+      points: Uint32Array.from(ids),
       positions: Float64Array.from(positions),
       pinned,
     });
   }
 
   async unpinAll() {
-    const held = [...this.#stage.pinned];
+    const held = Array.from(this.#stage.pinned, (index) => this.#stage.ids[index]);
     if (!(await this.#tell(held, [], false))) return;
     this.#remember({ say: `Undo: unpin ${countPoints(held.length)}`, run: () => this.#tell(held, [], true) });
     this.#announce('Nothing is pinned any more.');
@@ -187,8 +187,9 @@ export class Touch {
   /** @param {number} index */
   async #toggle(index) {
     const pinned = !this.#isPinned(index);
-    if (!(await this.#tell([index], [], pinned))) return;
-    this.#remember({ say: `Undo: ${pinned ? 'pin' : 'unpin'}`, run: () => this.#tell([index], [], !pinned) });
+    const id = this.#stage.ids[index];
+    if (!(await this.#tell([id], [], pinned))) return;
+    this.#remember({ say: `Undo: ${pinned ? 'pin' : 'unpin'}`, run: () => this.#tell([id], [], !pinned) });
     this.#announce(`Point ${index + 1} ${pinned ? 'is pinned' : 'may move again'}.`);
   }
 
@@ -201,9 +202,10 @@ export class Touch {
    * @param {boolean} pinned whether it was held before
    */
   async #put(index, place, from, pinned) {
-    const done = await this.#tell([index], place, true);
+    const id = this.#stage.ids[index];
+    const done = await this.#tell([id], place, true);
     if (done) {
-      this.#remember({ say: 'Undo: move a point', run: () => this.#tell([index], from, pinned) });
+      this.#remember({ say: 'Undo: move a point', run: () => this.#tell([id], from, pinned) });
       this.#announce(`Point ${index + 1} is moved and pinned.`);
     }
     return done;
@@ -251,6 +253,7 @@ export class Touch {
     /** @type {Drag} */
     const drag = {
       index,
+      id: this.#stage.ids[index],
       pointer: event.pointerId,
       start: [event.clientX, event.clientY],
       from: this.#position(index),
@@ -300,18 +303,18 @@ export class Touch {
     this.#canvas.classList.add('dragging');
     const place = this.#stage.inside(this.#stage.place(event.clientX, event.clientY));
     this.#stage.hold(drag.index, place);
-    void this.#tellWhileDragged(drag.index, place);
+    void this.#tellWhileDragged(drag.id, place);
   }
 
   /**
-   * @param {number} index
+   * @param {number} id
    * @param {[number, number]} place
    */
-  async #tellWhileDragged(index, place) {
+  async #tellWhileDragged(id, place) {
     // Only what is playing has anyone to learn of it.
     if (this.#telling || this.#run.status !== 'playing' || performance.now() - this.#toldAt < TELL_MS) return;
     this.#telling = true;
-    await this.#tell([index], place, true);
+    await this.#tell([id], place, true);
     this.#telling = false;
     this.#toldAt = performance.now();
   }
@@ -357,7 +360,7 @@ export class Touch {
     this.#canvas.classList.remove('dragging');
     this.#stage.hold(-1);
     // What the worker has heard of meanwhile is taken back.
-    if (drag?.moved) void this.#tell([drag.index], drag.from, drag.pinned);
+    if (drag?.moved) void this.#tell([drag.id], drag.from, drag.pinned);
   }
 
   /** @param {number} index */

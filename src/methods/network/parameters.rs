@@ -551,14 +551,44 @@ impl Parameters {
         }
     }
 
+    /// The real numbers by their names: JSON can't tell NaN from infinity, and whoever set one wants to know which. A
+    /// test holds the names against the descriptions.
+    fn reals(&self) -> [(&'static str, f64); 19] {
+        [
+            ("expansion-x", self.expansion_x),
+            ("expansion-y", self.expansion_y),
+            ("pixels-per-spacing", self.pixels_per_spacing),
+            ("coarse-sigma-px", self.coarse_sigma_px),
+            ("fine-sigma-px", self.fine_sigma_px),
+            ("sigma-coarse-divisor", self.sigma_coarse_divisor),
+            ("sigma-coarse-cells", self.sigma_coarse_cells),
+            ("sigma-fine-divisor", self.sigma_fine_divisor),
+            ("frequency", self.frequency),
+            ("jitter-px", self.jitter_px),
+            ("margin-sigmas", self.margin_sigmas),
+            ("gram-weight", self.gram_weight),
+            ("correlation-weight", self.correlation_weight),
+            ("learning-rate-coarse", self.learning_rate_coarse),
+            ("learning-rate-fine", self.learning_rate_fine),
+            ("spacing-floor", self.spacing_floor),
+            ("relocation", self.relocation),
+            ("disk-overlap", self.disk_overlap),
+            ("convergence-tolerance", self.convergence_tolerance),
+        ]
+    }
+
     /// Checks every value against its description, and the ones that depend on each other.
     ///
     /// # Errors
     /// The first offence, with the parameter's name, its value and what is allowed.
     pub fn validate(&self) -> Result<(), ParameterError> {
         let fields = self.fields();
+        let reals = self.reals();
         for parameter in &PARAMETERS {
-            parameter.check(&fields[parameter.name])?;
+            match reals.iter().find(|(name, value)| *name == parameter.name && !value.is_finite()) {
+                Some(&(_, value)) => parameter.check_number(value)?,
+                None => parameter.check(&fields[parameter.name]).map(|_| ())?,
+            }
         }
         let at_least = |name, value: f64, other, bound: f64| {
             if value < bound { Err(ParameterError::Order { name, value, other, bound }) } else { Ok(()) }
@@ -584,6 +614,18 @@ mod tests {
         for parameter in &PARAMETERS {
             assert!(parameter.check(&fields[parameter.name]).is_ok(), "{}", parameter.name);
             assert!(parameter.meaning.ends_with('.') && !parameter.title.is_empty(), "{}", parameter.name);
+        }
+    }
+
+    #[test]
+    fn every_real_number_is_told_from_infinity() {
+        let reals = Parameters::preset(Preset::Fast).reals().map(|(name, _)| name);
+        let described = PARAMETERS.iter().filter(|it| matches!(it.kind, Kind::Number { whole: false, .. }));
+        assert!(described.clone().all(|parameter| reals.contains(&parameter.name)));
+        assert_eq!(described.count(), reals.len());
+        let fields = Parameters::preset(Preset::Fast).fields();
+        for (name, value) in Parameters::preset(Preset::Fast).reals() {
+            assert_eq!(fields[name].as_f64(), Some(value), "{name}");
         }
     }
 
