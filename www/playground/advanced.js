@@ -54,16 +54,18 @@ const suitsSlider = ({ min, max, whole }) =>
   whole ? max - min <= MOST_WHOLE_STEPS : max - min <= WIDEST_REAL && !(min > 0 && max / min > LARGEST_RATIO);
 
 /**
- * @template {keyof HTMLElementTagNameMap} K
- * @param {K} tag
- * @param {Partial<HTMLElementTagNameMap[K]>} [properties]
+ * @template {HTMLElement} E
+ * @param {E} element
+ * @param {Partial<E>} properties
  * @param {...Node} children
  */
-function make(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
+function fitted(element, properties, ...children) {
+  Object.assign(element, properties).append(...children);
+  return element;
 }
+
+/** @template {keyof HTMLElementTagNameMap} K @param {K} tag */
+const make = (tag) => document.createElement(tag);
 
 /** One parameter: its label, its control, the way back, its meaning, and what is wrong. */
 class Field {
@@ -93,16 +95,16 @@ class Field {
     const id = `advanced-${name}`;
     this.#parameter = parameter;
     this.#tell = tell;
-    this.#hint = make('p', { className: 'hint', id: `hint-${id}`, role: 'tooltip' });
-    this.#wrong = make('p', { className: 'reason', id: `wrong-${id}`, role: 'alert' });
-    this.#back = make('button', { type: 'button', className: 'back', textContent: '↺' });
+    this.#hint = fitted(make('p'), { className: 'hint', id: `hint-${id}`, role: 'tooltip' });
+    this.#wrong = fitted(make('p'), { className: 'reason', id: `wrong-${id}`, role: 'alert' });
+    this.#back = fitted(make('button'), { type: 'button', className: 'back', textContent: '↺' });
     this.#back.addEventListener('click', () => {
       this.#choose(undefined);
       // The button is gone now; its focus would be lost.
       this.#control.focus();
     });
     if ('choice' in kind) {
-      this.#control = make('select', {}, ...kind.choice.options.map((option) => {
+      this.#control = fitted(make('select'), {}, ...kind.choice.options.map((option) => {
         const made = new Option(option.title, option.name);
         made.title = option.meaning;
         return made;
@@ -116,14 +118,14 @@ class Field {
     this.#control.setAttribute('aria-describedby', `${this.#wrong.id} ${this.#hint.id}`);
     // The form of the other settings keeps and restores its controls by itself; these are kept as what differs.
     for (const control of [this.#control, this.#slider]) control?.setAttribute('form', '');
-    this.element = make('div', { className: 'field parameter' },
-      make('label', { htmlFor: id, textContent: title }), this.#control, this.#back, ...(this.#slider ? [this.#slider] : []), this.#wrong, this.#hint);
+    this.element = fitted(make('div'), { className: 'field parameter' },
+      fitted(make('label'), { htmlFor: id, textContent: title }), this.#control, this.#back, ...(this.#slider ? [this.#slider] : []), this.#wrong, this.#hint);
     this.element.dataset.parameter = name;
   }
 
   /** @param {Range} range */
   #number({ min, max, whole }) {
-    const control = make('input', { type: 'number', inputMode: whole ? 'numeric' : 'decimal', max: String(max) });
+    const control = fitted(make('input'), { type: 'number', inputMode: whole ? 'numeric' : 'decimal', max: String(max) });
     control.min = String(min);
     control.step = whole ? '1' : String(roundStep((max - min) / 100));
     control.addEventListener('input', () => {
@@ -142,7 +144,7 @@ class Field {
   #range({ min, max, whole }) {
     const step = whole ? 1 : roundStep((max - min) / 100);
     // The number does the same by keyboard: one stop a parameter is enough.
-    const slider = make('input', { type: 'range', min: String(min), max: String(max), step: String(step), tabIndex: -1 });
+    const slider = fitted(make('input'), { type: 'range', min: String(min), max: String(max), step: String(step), tabIndex: -1 });
     slider.setAttribute('aria-label', `${this.#parameter.title}, slider`);
     slider.addEventListener('input', () => this.#choose(Number(slider.value)));
     return slider;
@@ -307,7 +309,7 @@ export class Advanced {
     for (const field of this.#fields) {
       let group = groups.get(field.group);
       if (!group) {
-        group = make('fieldset', { className: 'group' }, make('legend', { textContent: field.group }));
+        group = fitted(make('fieldset'), { className: 'group' }, fitted(make('legend'), { textContent: field.group }));
         groups.set(field.group, group);
       }
       group.append(field.element);
