@@ -20,6 +20,7 @@ import { Stage } from './stage.js';
 import { Statistics } from './statistics.js';
 import { Touch } from './touch.js';
 import { Take } from './take.js';
+import { withhold } from '../common/withhold.js';
 import { duration, points, times } from '../common/words.js';
 import { Refused, WorkerDied, WorkerLink } from '../common/worker-link.js';
 
@@ -306,7 +307,7 @@ function onStatus(status) {
     compare.finished();
   }
   // What is still playing goes on by itself.
-  element('go-on').toggleAttribute('disabled', status !== 'finished' && status !== 'paused');
+  withhold(/** @type {HTMLButtonElement} */ (element('go-on')), 'status', status === 'finished' || status === 'paused' ? null : '');
   document.body.dataset.status = status;
   touch.changed();
   host.tell('status');
@@ -449,6 +450,7 @@ function beginSoon(onward = true) {
   }, SETTLE_MS);
 }
 element('go-on').addEventListener('click', () => void begin(true, true));
+withhold(/** @type {HTMLButtonElement} */ (element('go-on')), 'status', '');
 
 function showSliders() {
   element('expansion-x-value').textContent = times(Number(beyond['expansion-x'] ?? slideX.value));
