@@ -10,28 +10,27 @@ use std::fs;
 
 use anyhow::{Context, Result};
 use pointweave::formats::{SvgStyle, write_svg};
-use pointweave::method::{Parameters, Preset};
-use pointweave::synthesis::{Event, Synthesis};
+use pointweave::methods::Method;
+use pointweave::run::{Event, Plan};
 use pointweave::{PointPattern, gallery};
+use serde_json::Map;
 
-/// The exemplar and the parameters.
-pub(crate) fn plan() -> Result<(PointPattern, Parameters)> {
+/// What to learn from, and how.
+pub(crate) fn plan() -> Result<Plan> {
     let exemplar = gallery::find("houses").context("the gallery has no such exemplar")?.exemplar();
-    let parameters = Parameters::suited_to(Preset::Fast, &exemplar);
-    Ok((exemplar, parameters))
+    Ok(Plan { exemplar, preset: "fast".to_owned(), overrides: Map::new() })
 }
 
 /// The result.
-pub(crate) fn run(exemplar: PointPattern, parameters: Parameters) -> Result<PointPattern> {
+pub(crate) fn run(plan: Plan) -> Result<PointPattern> {
     let memory_limit = 2_000_000_000;
-    let mut synthesis = Synthesis::new(exemplar, parameters, memory_limit)?;
-    while !matches!(synthesis.advance()?, Event::Finished) {}
-    Ok(synthesis.output()?)
+    let mut run = Method::Network.start(plan, memory_limit)?;
+    while run.advance_by(u32::MAX)? != Event::Finished {}
+    Ok(run.canvas().pattern()?)
 }
 
 fn main() -> Result<()> {
-    let (exemplar, parameters) = plan()?;
-    let output = run(exemplar, parameters)?;
+    let output = run(plan()?)?;
     fs::write("houses.svg", write_svg(&output, &SvgStyle::default()))?;
     Ok(())
 }

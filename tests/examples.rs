@@ -15,6 +15,7 @@ mod chevrons;
 #[allow(dead_code, reason = "its `main` writes a file and is not called")]
 mod houses;
 #[path = "common/program.rs"]
+#[allow(dead_code, reason = "its folders are for other tests")]
 mod program;
 #[path = "../examples/01_rings.rs"]
 #[allow(dead_code, reason = "its `main` writes a file and is not called")]
@@ -26,7 +27,7 @@ use std::path::Path;
 use anyhow::Result;
 use pointweave::PointPattern;
 use pointweave::formats::write_csv;
-use pointweave::method::Parameters;
+use pointweave::run::Plan;
 use program::run;
 use serde_json::Value;
 
@@ -51,21 +52,14 @@ fn command(example: &str) -> Vec<String> {
     arguments.split(' ').map(str::to_owned).collect()
 }
 
-fn tiny(parameters: &Parameters) -> Parameters {
-    let mut members = serde_json::to_value(parameters).unwrap();
-    for (name, value) in TINY {
-        assert!(members.get(name).is_some(), "there is no parameter {name}");
-        members[name] = Value::from(value);
-    }
-    serde_json::from_value(members).unwrap()
+fn tiny(mut plan: Plan, seed: Option<u64>) -> Plan {
+    plan.overrides.extend(TINY.map(|(name, value)| (name.to_owned(), Value::from(value))));
+    plan.overrides.extend(seed.map(|seed| ("seed".to_owned(), Value::from(seed))));
+    plan
 }
 
 #[track_caller]
-fn agree(
-    file: &str,
-    plan: fn() -> Result<(PointPattern, Parameters)>,
-    synthesize: fn(PointPattern, Parameters) -> Result<PointPattern>,
-) {
+fn agree(file: &str, plan: fn() -> Result<Plan>, synthesize: fn(Plan) -> Result<PointPattern>) {
     let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(file)).unwrap();
     let mut arguments = command(&text);
     arguments.extend(TINY.iter().flat_map(|(name, value)| ["--set".to_owned(), format!("{name}={value}")]));
@@ -73,12 +67,10 @@ fn agree(
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!((output.status.code(), &*words), (Some(0), ""), "{arguments:?}");
 
-    let (exemplar, parameters) = plan().unwrap();
-    let ours = write_csv(&synthesize(exemplar.clone(), tiny(&parameters)).unwrap());
+    let ours = write_csv(&synthesize(tiny(plan().unwrap(), None)).unwrap());
     assert_eq!(ours, String::from_utf8(output.stdout).unwrap(), "{file}");
     // What the parameters say matters: with another seed they are other points.
-    let other = Parameters { seed: parameters.seed + 1, ..tiny(&parameters) };
-    assert_ne!(ours, write_csv(&synthesize(exemplar, other).unwrap()), "{file}");
+    assert_ne!(ours, write_csv(&synthesize(tiny(plan().unwrap(), Some(77))).unwrap()), "{file}");
 }
 
 #[test]

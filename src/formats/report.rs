@@ -9,15 +9,14 @@ use std::fmt::Write as _;
 use glam::DVec2;
 use thiserror::Error;
 
-use self::panels::{Curve, Panel, Room};
+use self::panels::{Curve, Room};
 
 use super::PngError;
-use super::png::encode_rgba;
 use super::style::{self, Color, Layout, Look, Mark, PALETTE, Painted, RADIUS_ATTRIBUTE};
 use super::svg::{Px, escape, write_marks};
 use crate::analysis::{
-    Analysis, AnalysisError, Cloud, Comparison, PairDensity, Periodogram, SIMULATIONS, Scales, common_classes,
-    describe, exemplar_unit, pair_correlation, pair_density, periodogram, quantile, verdict,
+    Analysis, AnalysisError, Cloud, Comparison, SIMULATIONS, Scales, common_classes, describe, exemplar_unit,
+    pair_correlation, verdict,
 };
 use crate::pattern::{Boundary, PointPattern};
 

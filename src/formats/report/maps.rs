@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 
 use glam::DVec2;
 
-use super::{GAP, INK, MAP, MARGIN, Page, QUIET, RAMP, ReportError, Side, WIDTH};
+use super::{CHANCE, GAP, MAP, MARGIN, Page, QUIET, RAMP, ReportError, Side, WIDTH};
 use crate::analysis::{PairDensity, Periodogram, Scales, pair_density, periodogram, quantile};
 use crate::formats::png::encode_rgba;
-use crate::formats::svg::{Px, escape};
+use crate::formats::style::{Color, PALETTE};
+use crate::formats::svg::Px;
 
 impl Page {
     /// Densities of pair differences and periodograms, two or four in a row.
@@ -75,7 +76,7 @@ impl Page {
         self.text(DVec2::new(min.x + MAP, below), &quiet, reach);
     }
 
-    pub(super) fn image(&mut self, min: DVec2, image: &Image) -> Result<(), ReportError> {
+    fn image(&mut self, min: DVec2, image: &Image) -> Result<(), ReportError> {
         let bytes = encode_rgba(image.width, image.height, &image.pixels)?;
         let _ = writeln!(
             self.svg,

@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use glam::DVec2;
 
-use super::{CHANCE, CURVE_HEIGHT, GRID, INK, Page, QUIET, listed};
+use super::{CURVE_HEIGHT, GAP, GRID, MARGIN, Page, QUIET, WIDTH, listed};
 use crate::formats::style::Color;
-use crate::formats::svg::{Px, escape};
+use crate::formats::svg::Px;
 
 /// One line of a curve panel.
 pub(super) struct Curve<'a> {
