@@ -6,6 +6,7 @@
  * first picture. A new worker has to be told again.
  */
 import { recall, remember } from '../common/memory.js';
+import { withhold } from '../common/withhold.js';
 import { rate } from '../common/words.js';
 
 /** @typedef {import('../common/messages.js').EngineChoice} EngineChoice */
@@ -125,10 +126,16 @@ export class Engine {
 
   /** There is no GPU to choose. */
   #disable() {
-    this.#radio('gpu').disabled = true;
+    withhold(this.#radio('gpu'), 'engine', '');
     element('engine-reason').textContent = isSecureContext
       ? 'This browser offers no WebGPU here, so there is no GPU to choose.'
       : 'WebGPU needs a secure address (https), so there is no GPU to choose.';
+    this.#check(this.#choice);
+  }
+
+  /** There is no GPU to choose for the method. @param {string | null} reason null where there is */
+  withholdGpu(reason) {
+    withhold(this.#radio('gpu'), 'method', reason);
     this.#check(this.#choice);
   }
 
