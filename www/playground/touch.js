@@ -3,7 +3,6 @@
  * Hands on the result: a point is dragged and held, a region is done again, by mouse, touch, pen or keyboard. The worker
  * does what is asked and answers with the points; until then a dragged point is drawn where the hand is.
  */
-import { withhold } from '../common/withhold.js';
 import { points as countPoints } from '../common/words.js';
 
 /** @typedef {import('./stage.js').Stage} Stage */
@@ -38,6 +37,7 @@ const button = (id) => /** @type {HTMLButtonElement} */ (document.getElementById
 export class Touch {
   #canvas = /** @type {HTMLCanvasElement} */ (document.getElementById('output-canvas'));
   #regionButton = button('touch-region');
+  #regionTitle = this.#regionButton.title;
   #undoButton = button('touch-undo');
   #unpinButton = button('touch-unpin');
   #hint = /** @type {HTMLElement} */ (document.getElementById('touch-hint'));
@@ -60,7 +60,7 @@ export class Touch {
   #undos = [];
   #undoing = false;
   /** What the method can do. */
-  #offers = { moves: true, pins: true, redoes: true };
+  #offers = { title: '', moves: true, pins: true, redoes: true };
 
   /**
    * @param {Stage} stage
@@ -102,11 +102,18 @@ export class Touch {
     return this.#regionButton.getAttribute('aria-pressed') === 'true';
   }
 
-  /** What the method can do. @param {{ moves: boolean, pins: boolean, redoes: boolean }} offers */
-  offer(offers) {
-    this.#offers = offers;
-    if (!offers.redoes && this.#choosesRegion) this.#chooseRegion(false);
+  /** Offers what the method can do, and says what it can't. @param {Pick<import('../common/messages.js').MethodView, 'title' | 'tools'>} method */
+  offer({ title, tools }) {
+    const redoes = tools.includes('redo-region');
+    this.#offers = { title, moves: tools.includes('move'), pins: tools.includes('pin'), redoes };
+    this.#regionButton.title = redoes ? this.#regionTitle : this.#cannot('do a region again');
+    if (!redoes && this.#choosesRegion) this.#chooseRegion(false);
     this.changed();
+  }
+
+  /** @param {string} what */
+  #cannot(what) {
+    return `${this.#offers.title} can’t ${what}.`;
   }
 
   /** Another run is shown. */
@@ -125,7 +132,7 @@ export class Touch {
     this.#unpinButton.textContent = `Unpin ${pinned === 1 ? 'it' : `all ${pinned}`}`;
     this.#undoButton.disabled = this.#undos.length === 0;
     this.#undoButton.title = `${this.#undos.at(-1)?.say ?? 'Nothing to undo'} (Ctrl+Z)`;
-    withhold(this.#regionButton, 'stage', this.#stage.touchable ? null : '');
+    this.#regionButton.disabled = !this.#stage.touchable || !this.#offers.redoes;
     const hint = this.#says();
     if (this.#hint.textContent !== hint) this.#hint.textContent = hint;
   }
@@ -200,7 +207,7 @@ export class Touch {
     const pinned = !this.#isPinned(index);
     const id = this.#stage.ids[index];
     if (!this.#offers.pins) {
-      this.#announce('This method can’t pin points.');
+      this.#announce(this.#cannot('pin points'));
       return;
     }
     if (!(await this.#tell([id], [], pinned))) return;
@@ -218,7 +225,7 @@ export class Touch {
    */
   async #put(index, place, from, pinned) {
     if (!this.#offers.moves) {
-      this.#announce('This method can’t move points.');
+      this.#announce(this.#cannot('move points'));
       return false;
     }
     const id = this.#stage.ids[index];
@@ -234,7 +241,7 @@ export class Touch {
   /** @param {[number, number][]} corners */
   async #redo(corners) {
     if (!this.#offers.redoes) {
-      this.#announce('This method can’t do a region again.');
+      this.#announce(this.#cannot('do a region again'));
       return;
     }
     const { plan, status } = this.#run;
