@@ -6,6 +6,7 @@
  * first picture. A new worker has to be told again.
  */
 import { recall, remember } from '../common/memory.js';
+import { withhold } from '../common/withhold.js';
 import { rate } from '../common/words.js';
 
 /** @typedef {import('../common/messages.js').EngineChoice} EngineChoice */
@@ -35,10 +36,6 @@ export class Engine {
   #cpu = null;
   /** @type {EngineView | null} */
   #view = null;
-  /** Whether this machine has a GPU; true until its worker has looked. */
-  #hasGpu = true;
-  /** Why the method uses none; empty where it does. */
-  #lacksGpu = '';
   #link;
   #hooks;
 
@@ -129,24 +126,16 @@ export class Engine {
 
   /** There is no GPU to choose. */
   #disable() {
-    this.#hasGpu = false;
-    this.#offerGpu();
+    withhold(this.#radio('gpu'), 'engine', '');
     element('engine-reason').textContent = isSecureContext
       ? 'This browser offers no WebGPU here, so there is no GPU to choose.'
       : 'WebGPU needs a secure address (https), so there is no GPU to choose.';
+    this.#check(this.#choice);
   }
 
-  /** Offers a GPU where the method can use one. @param {Pick<import('../common/messages.js').MethodView, 'title' | 'tools'>} method */
-  offer({ title, tools }) {
-    this.#lacksGpu = tools.includes('gpu') ? '' : `${title} can’t compute on a GPU.`;
-    this.#offerGpu();
-  }
-
-  #offerGpu() {
-    const radio = this.#radio('gpu');
-    radio.disabled = !this.#hasGpu || this.#lacksGpu !== '';
-    const label = radio.closest('label');
-    if (label) label.title = this.#lacksGpu;
+  /** There is no GPU to choose for the method. @param {string | null} reason null where there is */
+  withholdGpu(reason) {
+    withhold(this.#radio('gpu'), 'method', reason);
     this.#check(this.#choice);
   }
 

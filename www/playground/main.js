@@ -106,12 +106,7 @@ store.subscribe(({ settings: { tiles } }) => tiles, (tiles) => {
   touch.changed();
 });
 store.subscribe(({ iterationsPerSecond }) => iterationsPerSecond, (perSecond) => void (engine.speed = perSecond));
-store.subscribe((state) => methodOf(state, state.plan?.method ?? state.settings.method), (method) => {
-  if (!method) return;
-  chart.describe(method.losses);
-  touch.offer(method);
-});
-store.subscribe((state) => methodOf(state, state.settings.method), (method) => method && engine.offer(method));
+store.subscribe((state) => methodOf(state, state.plan?.method ?? state.settings.method), (method) => method && chart.describe(method.losses));
 store.subscribe(({ result }) => result, (result) => {
   if (result) take.describe(points(store.state.points), result.boundary === 'periodic');
   share.outdated();

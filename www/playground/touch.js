@@ -3,6 +3,7 @@
  * Hands on the result: a point is dragged and held, a region is done again, by mouse, touch, pen or keyboard. The worker
  * does what is asked and answers with the points; until then a dragged point is drawn where the hand is.
  */
+import { withhold } from '../common/withhold.js';
 import { points as countPoints } from '../common/words.js';
 
 /** @typedef {import('./stage.js').Stage} Stage */
@@ -37,7 +38,6 @@ const button = (id) => /** @type {HTMLButtonElement} */ (document.getElementById
 export class Touch {
   #canvas = /** @type {HTMLCanvasElement} */ (document.getElementById('output-canvas'));
   #regionButton = button('touch-region');
-  #regionTitle = this.#regionButton.title;
   #undoButton = button('touch-undo');
   #unpinButton = button('touch-unpin');
   #hint = /** @type {HTMLElement} */ (document.getElementById('touch-hint'));
@@ -60,7 +60,7 @@ export class Touch {
   #undos = [];
   #undoing = false;
   /** What the method can do. */
-  #offers = { title: '', moves: true, pins: true, redoes: true };
+  #offers = { moves: true, pins: true, redoes: true };
 
   /**
    * @param {Stage} stage
@@ -102,18 +102,11 @@ export class Touch {
     return this.#regionButton.getAttribute('aria-pressed') === 'true';
   }
 
-  /** Offers what the method can do, and says what it can't. @param {Pick<import('../common/messages.js').MethodView, 'title' | 'tools'>} method */
-  offer({ title, tools }) {
-    const redoes = tools.includes('redo-region');
-    this.#offers = { title, moves: tools.includes('move'), pins: tools.includes('pin'), redoes };
-    this.#regionButton.title = redoes ? this.#regionTitle : this.#cannot('do a region again');
-    if (!redoes && this.#choosesRegion) this.#chooseRegion(false);
+  /** What the method can do. @param {{ moves: boolean, pins: boolean, redoes: boolean }} offers */
+  offer(offers) {
+    this.#offers = offers;
+    if (!offers.redoes && this.#choosesRegion) this.#chooseRegion(false);
     this.changed();
-  }
-
-  /** @param {string} what */
-  #cannot(what) {
-    return `${this.#offers.title} can’t ${what}.`;
   }
 
   /** Another run is shown. */
@@ -132,7 +125,7 @@ export class Touch {
     this.#unpinButton.textContent = `Unpin ${pinned === 1 ? 'it' : `all ${pinned}`}`;
     this.#undoButton.disabled = this.#undos.length === 0;
     this.#undoButton.title = `${this.#undos.at(-1)?.say ?? 'Nothing to undo'} (Ctrl+Z)`;
-    this.#regionButton.disabled = !this.#stage.touchable || !this.#offers.redoes;
+    withhold(this.#regionButton, 'stage', this.#stage.touchable ? null : '');
     const hint = this.#says();
     if (this.#hint.textContent !== hint) this.#hint.textContent = hint;
   }
@@ -207,7 +200,7 @@ export class Touch {
     const pinned = !this.#isPinned(index);
     const id = this.#stage.ids[index];
     if (!this.#offers.pins) {
-      this.#announce(this.#cannot('pin points'));
+      this.#announce('This method can’t pin points.');
       return;
     }
     if (!(await this.#tell([id], [], pinned))) return;
@@ -225,7 +218,7 @@ export class Touch {
    */
   async #put(index, place, from, pinned) {
     if (!this.#offers.moves) {
-      this.#announce(this.#cannot('move points'));
+      this.#announce('This method can’t move points.');
       return false;
     }
     const id = this.#stage.ids[index];
@@ -241,7 +234,7 @@ export class Touch {
   /** @param {[number, number][]} corners */
   async #redo(corners) {
     if (!this.#offers.redoes) {
-      this.#announce(this.#cannot('do a region again'));
+      this.#announce('This method can’t do a region again.');
       return;
     }
     const { plan, status } = this.#run;
