@@ -41,8 +41,8 @@ export class Engine {
 
   /**
    * @param {import('../common/worker-link.js').WorkerLink} link
-   * @param {{ announce: (text: string) => void, checks: (checks: boolean) => void }} hooks `checks` hears when the
-   *   worker begins and ends to open a device
+   * @param {{ announce: (text: string) => void, checks: (checks: boolean) => void, shows: (view: EngineView) => void }} hooks
+   *   `checks` hears when the worker begins and ends to open a device, `shows` what computes now
    */
   constructor(link, hooks) {
     this.#link = link;
@@ -52,11 +52,6 @@ export class Engine {
     this.#check(this.#choice);
     for (const choice of CHOICES) this.#radio(choice).addEventListener('change', () => this.#choose(choice));
     element('engine-note-close').addEventListener('click', () => this.#dismiss());
-  }
-
-  /** What computes. */
-  get view() {
-    return this.#view && { ...this.#view };
   }
 
   /** @param {EngineChoice} choice */
@@ -157,6 +152,7 @@ export class Engine {
   /** @param {EngineView} view */
   #show(view) {
     this.#view = view;
+    this.#hooks.shows(view);
     element('engine').textContent = view.gpu ? `${view.name} · WebGPU` : view.name;
     element('engine').title = view.meaning;
     element('engine-line').toggleAttribute('data-gpu', view.gpu);

@@ -29,6 +29,7 @@ import { Stage } from './stage.js';
 import { FIRST_EXEMPLAR, FIRST_SETTINGS, chooseExemplar, isPrivate, methodOf, pageStore } from './state.js';
 import { Statistics } from './statistics.js';
 import { Take } from './take.js';
+import { lack } from './tools.js';
 import { Touch } from './touch.js';
 import { Transport } from './transport.js';
 
@@ -105,8 +106,13 @@ store.subscribe(({ settings: { tiles } }) => tiles, (tiles) => {
   stage.tiles = tiles;
   touch.changed();
 });
+store.subscribe((state) => methodOf(state, state.settings.method), (method) => method && engine.withholdGpu(lack(method, 'gpu')));
+store.subscribe((state) => methodOf(state, state.plan?.method ?? state.settings.method), (method) => {
+  if (!method) return;
+  chart.describe(method.losses);
+  touch.offer(method);
+});
 store.subscribe(({ iterationsPerSecond }) => iterationsPerSecond, (perSecond) => void (engine.speed = perSecond));
-store.subscribe((state) => methodOf(state, state.plan?.method ?? state.settings.method), (method) => method && chart.describe(method.losses));
 store.subscribe(({ result }) => result, (result) => {
   if (result) take.describe(points(store.state.points), result.boundary === 'periodic');
   share.outdated();

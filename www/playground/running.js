@@ -3,7 +3,8 @@
 import { duration, points } from '../common/words.js';
 import { leaveLink, replaced } from './address.js';
 import { Run } from './run.js';
-import { currentPlan, seedOf, settingsPlan } from './state.js';
+import { currentPlan, methodOf, seedOf, settingsPlan } from './state.js';
+import { lack } from './tools.js';
 
 /** @typedef {import('./state.js').PageStore} PageStore */
 /** @typedef {import('../common/messages.js').PatternView} PatternView */
@@ -86,7 +87,8 @@ export class Running {
       this.#notices.unnotify();
       leaveLink();
       const { settings, status } = this.#store.state;
-      void this.begin(true, mayKeep && settings.keepsPoints && status !== 'empty' && status !== 'stopped');
+      const keeps = settings.keepsPoints && lack(methodOf(this.#store.state, settings.method), 'continue') === null;
+      void this.begin(true, mayKeep && keeps && status !== 'empty' && status !== 'stopped');
     }, SETTLE_MS);
   }
 

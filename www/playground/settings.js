@@ -1,10 +1,12 @@
 // @ts-check
 /** The form of the settings: its controls follow the state, and what a person changes goes there and starts a run. */
 import { element, input } from '../common/elements.js';
+import { withhold } from '../common/withhold.js';
 import { times } from '../common/words.js';
 import { Advanced } from './advanced.js';
 import { Methods } from './methods.js';
-import { advancedOf, changeSettings, hasTool, methodOf, seedOf, sharedOf, without } from './state.js';
+import { advancedOf, changeSettings, methodOf, seedOf, sharedOf, without } from './state.js';
+import { lack } from './tools.js';
 
 /** @typedef {import('./state.js').PageStore} PageStore */
 /** @typedef {import('./state.js').Settings} Values */
@@ -20,7 +22,6 @@ export class Settings {
   #linked = input('linked');
   #seed = input('seed');
   #keepsPoints = input('keep-points');
-  #keepsPointsTitle = this.#keepsPoints.closest('label')?.title ?? '';
   #tiles = input('tiles');
   #presets = element('presets');
   #presetHint = element('hint-preset');
@@ -91,11 +92,10 @@ export class Settings {
     });
     store.subscribe(({ settings }) => settings.tiles, (tiles) => void (this.#tiles.checked = tiles));
     store.subscribe(({ settings }) => settings.keepsPoints, (keeps) => void (this.#keepsPoints.checked = keeps));
-    store.subscribe((state) => hasTool(state, 'continue'), (can) => {
-      this.#keepsPoints.disabled = !can;
-      const label = this.#keepsPoints.closest('label');
-      if (label) label.title = can ? this.#keepsPointsTitle : 'This method starts over with every change';
-    });
+    store.subscribe(
+      (state) => lack(methodOf(state, state.settings.method), 'continue'),
+      (reason) => withhold(this.#keepsPoints, 'method', reason),
+    );
     store.subscribe(({ settings }) => settings.seed, (seed) => {
       if (this.#seed.value !== seed) this.#seed.value = seed;
       this.#seed.setAttribute('aria-invalid', String(seedOf(this.#values) === null));

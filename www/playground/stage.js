@@ -43,7 +43,8 @@ const APART_FROM = 620;
 export class Stage {
   #figures = /** @type {HTMLElement} */ (document.getElementById('figures'));
   #results = /** @type {HTMLElement} */ (document.getElementById('results'));
-  #comparison = /** @type {HTMLElement} */ (document.getElementById('comparison'));
+  /** What stands below the results and takes of their height. @type {HTMLElement | null} */
+  #below = null;
   #exemplarCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('exemplar-canvas'));
   #outputCanvas = /** @type {HTMLCanvasElement} */ (document.getElementById('output-canvas'));
   /** What there is to touch the result with. */
@@ -74,15 +75,31 @@ export class Stage {
   /** Draws over the result. @type {(context: CanvasRenderingContext2D) => void} */
   overlay = () => {};
 
+  #resized = new ResizeObserver(() => this.#layout());
   #look;
 
   /** @param {import('./look.js').Look} look */
   constructor(look) {
     this.#look = look;
-    const resized = new ResizeObserver(() => this.#layout());
     const caption = /** @type {HTMLElement} */ (this.#exemplarCanvas.nextElementSibling);
-    for (const part of [this.#figures, this.#tools, this.#comparison, caption]) resized.observe(part);
+    for (const part of [this.#figures, this.#tools, caption]) this.#resized.observe(part);
     window.addEventListener('themechange', () => this.restyle());
+  }
+
+  /** Where the result is drawn, for hands and keys. */
+  get surface() {
+    return this.#outputCanvas;
+  }
+
+  /** Says what is drawn to those who can't see it. @param {'exemplar' | 'output'} which @param {string} words */
+  label(which, words) {
+    (which === 'exemplar' ? this.#exemplarCanvas : this.#outputCanvas).setAttribute('aria-label', words);
+  }
+
+  /** Leaves room for a part below the results. @param {HTMLElement} part */
+  leaveRoomFor(part) {
+    this.#below = part;
+    this.#resized.observe(part);
   }
 
   /** Draws with the colours and glyphs as they are now. */
@@ -358,7 +375,7 @@ export class Stage {
       const top = this.#results.getBoundingClientRect().top + window.scrollY + this.#head;
       return Math.min(most, Math.max(window.innerHeight - top - DECK, SHARE_OF_WINDOW.least * window.innerHeight));
     }
-    return Math.max(this.#figures.clientHeight - this.#comparison.offsetHeight - this.#head - SHADOW, LEAST_ROOM);
+    return Math.max(this.#figures.clientHeight - (this.#below?.offsetHeight ?? 0) - this.#head - SHADOW, LEAST_ROOM);
   }
 
   /** Whether the style sheet gives the figures the height that is left in the window; else the page scrolls. */

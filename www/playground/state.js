@@ -153,6 +153,3 @@ export const currentPlan = ({ plan, parameters }) => plan && parameters && { ...
 
 /** A method in its own words; null before the worker has said them. @param {State} state @param {string} name @returns {MethodView | null} */
 export const methodOf = ({ description }, name) => description?.methods.find((method) => method.name === name) ?? null;
-
-/** Whether the chosen method has a tool. Before it is described it has all. @param {State} state @param {import('../common/messages.js').Tool} tool */
-export const hasTool = (state, tool) => methodOf(state, state.settings.method)?.tools.includes(tool) ?? true;

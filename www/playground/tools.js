@@ -1,23 +1,23 @@
 // @ts-check
-/** Disables what the chosen method can't do, and says so. */
-import { withhold } from '../common/withhold.js';
+/** What the page can't do with a method, in words. */
 
 /** @typedef {import('../common/messages.js').MethodView} MethodView */
+/** @typedef {import('../common/messages.js').Tool} Tool */
 
-/** @param {string} id */
-const control = (id) => /** @type {HTMLButtonElement | HTMLInputElement} */ (document.getElementById(id));
+/** @type {Record<Tool, string>} */
+const DOES = {
+  move: 'move points',
+  pin: 'pin points',
+  'redo-region': 'do a region again',
+  continue: 'go on from the points as they are',
+  gpu: 'compute on a GPU',
+};
 
 /**
- * @param {Pick<MethodView, 'title' | 'tools'>} method
- * @param {{ touch: import('./touch.js').Touch, engine: import('./engine.js').Engine }} page
+ * Why a tool is of no use with a method.
+ *
+ * @param {MethodView | null} method nothing is known of one that was not described yet
+ * @param {Tool} tool
+ * @returns {string | null} a sentence; null where the method has the tool
  */
-export function disableMissingTools({ title, tools }, { touch, engine }) {
-  const can = (/** @type {MethodView['tools'][number]} */ tool, /** @type {string} */ words) =>
-    tools.includes(tool) ? null : `${title} can’t ${words}.`;
-  const onward = can('continue', 'go on from the points as they are');
-  withhold(control('go-on'), 'method', onward);
-  withhold(control('keep-points'), 'method', onward);
-  withhold(control('touch-region'), 'method', can('redo-region', 'do a region again'));
-  touch.offer({ moves: tools.includes('move'), pins: tools.includes('pin'), redoes: tools.includes('redo-region') });
-  engine.withholdGpu(can('gpu', 'compute on a GPU'));
-}
+export const lack = (method, tool) => (!method || method.tools.includes(tool) ? null : `${method.title} can’t ${DOES[tool]}.`);

@@ -5,6 +5,7 @@
  */
 import { withhold } from '../common/withhold.js';
 import { points as countPoints } from '../common/words.js';
+import { lack } from './tools.js';
 
 /** @typedef {import('./stage.js').Stage} Stage */
 /** @typedef {import('./run.js').Run} Run */
@@ -36,7 +37,7 @@ const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], Arrow
 const button = (id) => /** @type {HTMLButtonElement} */ (document.getElementById(id));
 
 export class Touch {
-  #canvas = /** @type {HTMLCanvasElement} */ (document.getElementById('output-canvas'));
+  #canvas;
   #regionButton = button('touch-region');
   #undoButton = button('touch-undo');
   #unpinButton = button('touch-unpin');
@@ -72,7 +73,7 @@ export class Touch {
     this.#run = run;
     this.#announce = announce;
     stage.overlay = (context) => this.#draw(context);
-    const canvas = this.#canvas;
+    const canvas = (this.#canvas = stage.surface);
     canvas.addEventListener('pointerdown', (event) => this.#down(event));
     canvas.addEventListener('pointermove', (event) => this.#move(event));
     canvas.addEventListener('pointerup', (event) => this.#up(event));
@@ -102,10 +103,12 @@ export class Touch {
     return this.#regionButton.getAttribute('aria-pressed') === 'true';
   }
 
-  /** What the method can do. @param {{ moves: boolean, pins: boolean, redoes: boolean }} offers */
-  offer(offers) {
-    this.#offers = offers;
-    if (!offers.redoes && this.#choosesRegion) this.#chooseRegion(false);
+  /** What the method can do. @param {import('../common/messages.js').MethodView} method */
+  offer(method) {
+    const lacksRegions = lack(method, 'redo-region');
+    this.#offers = { moves: lack(method, 'move') === null, pins: lack(method, 'pin') === null, redoes: lacksRegions === null };
+    if (lacksRegions && this.#choosesRegion) this.#chooseRegion(false);
+    withhold(this.#regionButton, 'method', lacksRegions);
     this.changed();
   }
 

@@ -1,8 +1,10 @@
 // @ts-check
 /** The buttons of the run, how far it is, and what remains. */
 import { element, input } from '../common/elements.js';
+import { withhold } from '../common/withhold.js';
 import { duration } from '../common/words.js';
-import { hasTool } from './state.js';
+import { methodOf } from './state.js';
+import { lack } from './tools.js';
 
 /** @typedef {import('./state.js').PageStore} PageStore */
 
@@ -14,7 +16,6 @@ export class Transport {
   #label = element('play-label');
   #step = input('step');
   #goOn = input('go-on');
-  #goOnTitle = this.#goOn.title;
   #scale = element('fact-scale');
   #iteration = element('fact-iteration');
   #left = element('fact-left');
@@ -33,15 +34,11 @@ export class Transport {
       (state) => [state.status, (state.progress?.totalIterations ?? 0) > 0],
       () => this.#showButtons(store.state),
     );
+    // What is still playing goes on by itself.
+    store.subscribe(({ status }) => status === 'finished' || status === 'paused', (can) => withhold(this.#goOn, 'status', can ? null : ''));
     store.subscribe(
-      (state) => [state.status, hasTool(state, 'continue')],
-      () => {
-        const can = hasTool(store.state, 'continue');
-        const { status } = store.state;
-        // What is still playing goes on by itself.
-        this.#goOn.disabled = !can || (status !== 'finished' && status !== 'paused');
-        this.#goOn.title = can ? this.#goOnTitle : 'This method starts over with every change';
-      },
+      (state) => lack(methodOf(state, state.settings.method), 'continue'),
+      (reason) => withhold(this.#goOn, 'method', reason),
     );
     store.subscribe(
       ({ progress, status, secondsLeft }) => [progress, status, secondsLeft],

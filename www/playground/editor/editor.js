@@ -89,6 +89,11 @@ export class Editor {
     this.#show();
   }
 
+  /** Scrolls to it. */
+  reveal() {
+    element('editor').scrollIntoView({ block: 'start' });
+  }
+
   /** Opens once more what was closed last, with everything that can be undone. */
   reopen() {
     this.#woven = null;
