@@ -9,7 +9,7 @@ import { prepare } from '../common/draw.js';
 /** @typedef {import('../common/messages.js').AnalyzedResponse['periodogram']} Periodogram */
 
 /** Room for the numbers of the axes. */
-const LEFT = 18;
+const LEFT = 25;
 const FOOT = 15;
 const REST = 4;
 /** The strongest share of all waves shares the last colour; without a limit one peak would leave the rest pale. */
@@ -127,7 +127,9 @@ function drawOne(canvas, { width, height, power, reach: [reachX, reachY] }, { to
   const context = prepare(canvas, across, down);
   const style = getComputedStyle(canvas);
   const colour = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
-  context.imageSmoothingEnabled = false;
+  // Values larger than pixels stay squares; smaller ones are averaged, or every other one would be left out.
+  context.imageSmoothingEnabled = Math.max(width, height) > side * (window.devicePixelRatio || 1);
+  context.imageSmoothingQuality = 'high';
   // A value stands for the square around its frequency, so the outermost reach half a step further.
   const size = (/** @type {number} */ values, /** @type {number} */ own) => (own / reach) * (values > 1 ? values / (values - 1) : 1) * side;
   const [mapWidth, mapHeight] = [size(width, reachX), size(height, reachY)];
