@@ -26,6 +26,12 @@ export class Methods {
    */
   describe(methods, chosen) {
     this.#fieldset.hidden = methods.length < 2;
+    const inputs = [...this.#row.querySelectorAll('input')];
+    if (inputs.map(({ value }) => value).join() === methods.map(({ name }) => name).join()) {
+      // The same again; a focus stays where it is.
+      for (const input of inputs) input.checked = input.value === chosen;
+      return;
+    }
     this.#row.replaceChildren(
       ...methods.map(({ name, title, meaning }) => {
         const input = document.createElement('input');

@@ -72,9 +72,9 @@ export class Settings {
     store.subscribe(({ settings, plan, parameters, description }) => [description, settings.method, settings.preset, plan, parameters], () => {
       const { settings: { method, preset }, plan, parameters } = store.state;
       const view = methodOf(store.state, method);
-      // An exemplar may suit other values than the preset's; only a run of the same preset can tell.
-      const suited = plan?.method === method && plan.preset === preset ? parameters : null;
-      if (view) this.#advanced.describe(view, preset, suited ?? {});
+      // An exemplar may suit other values than the preset's; only a run of the same preset can tell, and not of what was set.
+      const suited = parameters && plan?.method === method && plan.preset === preset ? without(parameters, ...Object.keys(plan.overrides)) : {};
+      if (view) this.#advanced.describe(view, preset, suited);
     });
     store.subscribe(({ settings }) => settings.beyond, () => this.#showBeyond());
     store.subscribe(({ settings: { expansion, beyond } }) => [expansion, beyond], () => {
