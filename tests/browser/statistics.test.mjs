@@ -96,6 +96,17 @@ describe('the statistics panel', () => {
     assert.match((await label('pairs')) ?? '', /^Pair correlation: most neighbours at \d\.\d\d mean spacings in the exemplar/);
     assert.match((await label('nearest')) ?? '', /on average at 1\.00 mean spacings in the exemplar and \d\.\d\d in the result/);
     assert.match((await label('spectrum')) ?? '', /strongest at \d\.\d\d cycles/);
+    for (const map of ['spectrum-exemplar', 'spectrum-output']) {
+      const canvas = page.locator(`#${map}`);
+      assert.match((await canvas.getAttribute('aria-label')) ?? '', /^Periodogram of the .+ along x and y: strongest at \d\.\d\d cycles per d in the direction of \d+°, [\d.]+ times chance\.$/);
+      const colours = await canvas.evaluate((element) => {
+        const { width, height } = /** @type {HTMLCanvasElement} */ (element);
+        const context = /** @type {CanvasRenderingContext2D} */ (/** @type {HTMLCanvasElement} */ (element).getContext('2d'));
+        return new Set(new Uint32Array(context.getImageData(0, 0, width, height).data.buffer)).size;
+      });
+      assert.ok(colours > 50, `${map} has ${colours} colours`);
+    }
+    assert.match(await page.locator('#spectra-scale').innerText(), /Strongest colour: [\d.]+ times chance or more\.$/);
     assert.match(await page.locator('#rho-exemplar').innerText(), /^0\.\d{3}$/);
     assert.match(await page.locator('#rho-output').innerText(), /^0\.\d{3}$/);
     const { latest } = await peek(page, 'statistics');

@@ -18,6 +18,7 @@ export class Compare {
   #link;
   #hooks;
   #letters = element('letters');
+  #comparison = element('comparison');
   /** @type {Parameters | null} */
   #kept = null;
   /** @type {Parameters | null} */
@@ -28,12 +29,14 @@ export class Compare {
   /**
    * @param {import('./stage.js').Stage} stage
    * @param {import('../common/worker-link.js').WorkerLink} link
-   * @param {{ announce: (text: string) => void, turned: () => void }} hooks `turned`: from one result to the other
+   * @param {{ announce: (text: string) => void, turned: () => void, count: () => string }} hooks `turned`: from one result to the
+   *   other; `count`: how large the result at hand is, in words
    */
   constructor(stage, link, hooks) {
     this.#stage = stage;
     this.#link = link;
     this.#hooks = hooks;
+    stage.leaveRoomFor(this.#comparison);
     element('keep-a').addEventListener('click', () => void this.#keep());
     element('drop-a').addEventListener('click', () => this.#drop());
     this.#letters.addEventListener('change', (event) => {
@@ -76,8 +79,8 @@ export class Compare {
     this.#kept = this.#present;
     this.#turn(false);
     this.#stage.keep();
-    element('kept-count').textContent = element('output-count').textContent;
-    element('comparison').hidden = false;
+    element('kept-count').textContent = this.#hooks.count();
+    this.#comparison.hidden = false;
     this.#letters.hidden = false;
     element('quality-b').textContent = '';
     this.#describe();
@@ -89,7 +92,7 @@ export class Compare {
     this.#kept = null;
     this.#turn(false);
     this.#stage.unkeep();
-    element('comparison').hidden = true;
+    this.#comparison.hidden = true;
     this.#letters.hidden = true;
     element('quality-a').textContent = element('quality-b').textContent = '';
   }

@@ -6,6 +6,7 @@
  * first picture. A new worker has to be told again.
  */
 import { recall, remember } from '../common/memory.js';
+import { withhold } from '../common/withhold.js';
 import { rate } from '../common/words.js';
 
 /** @typedef {import('../common/messages.js').EngineChoice} EngineChoice */
@@ -40,8 +41,8 @@ export class Engine {
 
   /**
    * @param {import('../common/worker-link.js').WorkerLink} link
-   * @param {{ announce: (text: string) => void, checks: (checks: boolean) => void }} hooks `checks` hears when the
-   *   worker begins and ends to open a device
+   * @param {{ announce: (text: string) => void, checks: (checks: boolean) => void, shows: (view: EngineView) => void }} hooks
+   *   `checks` hears when the worker begins and ends to open a device, `shows` what computes now
    */
   constructor(link, hooks) {
     this.#link = link;
@@ -51,11 +52,6 @@ export class Engine {
     this.#check(this.#choice);
     for (const choice of CHOICES) this.#radio(choice).addEventListener('change', () => this.#choose(choice));
     element('engine-note-close').addEventListener('click', () => this.#dismiss());
-  }
-
-  /** What computes. */
-  get view() {
-    return this.#view && { ...this.#view };
   }
 
   /** @param {EngineChoice} choice */
@@ -125,10 +121,16 @@ export class Engine {
 
   /** There is no GPU to choose. */
   #disable() {
-    this.#radio('gpu').disabled = true;
+    withhold(this.#radio('gpu'), 'engine', '');
     element('engine-reason').textContent = isSecureContext
       ? 'This browser offers no WebGPU here, so there is no GPU to choose.'
       : 'WebGPU needs a secure address (https), so there is no GPU to choose.';
+    this.#check(this.#choice);
+  }
+
+  /** There is no GPU to choose for the method. @param {string | null} reason null where there is */
+  withholdGpu(reason) {
+    withhold(this.#radio('gpu'), 'method', reason);
     this.#check(this.#choice);
   }
 
@@ -150,6 +152,7 @@ export class Engine {
   /** @param {EngineView} view */
   #show(view) {
     this.#view = view;
+    this.#hooks.shows(view);
     element('engine').textContent = view.gpu ? `${view.name} · WebGPU` : view.name;
     element('engine').title = view.meaning;
     element('engine-line').toggleAttribute('data-gpu', view.gpu);

@@ -8,7 +8,7 @@
 
 /**
  * @typedef {object} Kept
- * @property {{ title: string, caption: string, source: Source, isOwn?: boolean }} chosen
+ * @property {{ title: string, caption: string, source: Source, isOwn?: boolean, value?: string }} chosen
  * @property {Record<string, string | boolean>} settings
  * @property {string} fragment the address's link, when this was kept
  * @property {import('../common/messages.js').Parameters} beyond what no control shows
@@ -171,40 +171,4 @@ async function forgetOld(database) {
       cursor.continue();
     };
   });
-}
-
-/**
- * What a form's controls say, by their names or ids.
- *
- * @param {HTMLFormElement} form
- * @returns {Record<string, string | boolean>}
- */
-export function readForm(form) {
-  /** @type {Record<string, string | boolean>} */
-  const values = {};
-  for (const control of form.elements) {
-    if (!(control instanceof HTMLInputElement || control instanceof HTMLSelectElement)) continue;
-    const name = control.name || control.id;
-    if (control.type === 'checkbox') values[name] = /** @type {HTMLInputElement} */ (control).checked;
-    else if (control.type !== 'radio') values[name] = control.value;
-    else if (/** @type {HTMLInputElement} */ (control).checked) values[name] = control.value;
-  }
-  return values;
-}
-
-/**
- * Sets a form's controls to what `readForm` read; each takes only what it can be.
- *
- * @param {HTMLFormElement} form
- * @param {Record<string, unknown>} values
- */
-export function fillForm(form, values) {
-  for (const control of form.elements) {
-    if (!(control instanceof HTMLInputElement || control instanceof HTMLSelectElement)) continue;
-    const value = values[control.name || control.id];
-    if (control.type === 'checkbox' && typeof value === 'boolean') /** @type {HTMLInputElement} */ (control).checked = value;
-    else if (typeof value !== 'string') continue;
-    else if (control.type === 'radio') /** @type {HTMLInputElement} */ (control).checked = control.value === value;
-    else control.value = value;
-  }
 }

@@ -34,9 +34,6 @@ const field = (id) => /** @type {HTMLInputElement | HTMLTextAreaElement} */ (ele
 /** @param {string} text */
 const escaped = (text) => text.replace(/[&<>"]/g, (sign) => `&#${sign.charCodeAt(0)};`);
 
-/** Whether a fragment is meant to be a link. @param {string} hash */
-export const isLink = (hash) => new URLSearchParams(hash.replace(/^#/, '')).has('v');
-
 export class Share {
   #files;
   #hooks;

@@ -7,6 +7,7 @@
  */
 import { CurveChart, outline, peak } from '../common/curve-chart.js';
 import { recall, remember } from '../common/memory.js';
+import { Spectra } from './spectra.js';
 import { Refused } from '../common/worker-link.js';
 
 /** @typedef {import('../common/messages.js').AnalyzedResponse} Analyzed */
@@ -32,6 +33,7 @@ export class Statistics {
   #pairs = new CurveChart(picture('pairs-chart'), { unit: 'd', chance: 1, least: 1.2 });
   #nearest = new CurveChart(picture('nearest-chart'), { unit: 'd', percent: true, least: 0.1 });
   #spectrum = new CurveChart(picture('spectrum-chart'), { unit: '/ d', chance: 1, least: 1.2 });
+  #spectra = new Spectra();
   #link;
   #hooks;
   /** Whether the result has moved since the last question. */
@@ -131,7 +133,7 @@ export class Statistics {
   }
 
   /** @param {Analyzed} answer */
-  #show({ exemplar, output, distance, interval, quality, verdict }) {
+  #show({ exemplar, output, periodogram, distance, interval, quality, verdict }) {
     this.#panel.toggleAttribute('data-outdated', false);
     element('verdict').textContent = verdict;
     this.#showQuality(quality);
@@ -158,6 +160,7 @@ export class Statistics {
       `Periodogram: strongest at ${two(strongest.x)} cycles per mean spacing in the exemplar, ${two(strongest.y)} times chance; ` +
         `at ${two(own.x)} in the result, ${two(own.y)} times chance.`,
     );
+    this.#spectra.show(periodogram);
     element('rho-exemplar').textContent = exemplar.relativeRadius.toFixed(3);
     element('rho-output').textContent = output.relativeRadius.toFixed(3);
     this.#reveal();

@@ -77,8 +77,14 @@ export class Take {
     this.#width.addEventListener('input', () => this.#width.setAttribute('aria-invalid', String(this.#readWidth() === null)));
   }
 
-  /** Only what tiles can be had as a tile. @param {boolean} periodic */
-  set periodic(periodic) {
+  /**
+   * What there is to take.
+   *
+   * @param {string} count of its points, in words
+   * @param {boolean} periodic only what tiles can be had as a tile
+   */
+  describe(count, periodic) {
+    element('download-csv').title = `${count}, one line each, in the exemplar's own units`;
     element('tile-downloads').hidden = !periodic;
   }
 

@@ -3,7 +3,9 @@
  * Hands on the result: a point is dragged and held, a region is done again, by mouse, touch, pen or keyboard. The worker
  * does what is asked and answers with the points; until then a dragged point is drawn where the hand is.
  */
+import { withhold } from '../common/withhold.js';
 import { points as countPoints } from '../common/words.js';
+import { lack } from './tools.js';
 
 /** @typedef {import('./stage.js').Stage} Stage */
 /** @typedef {import('./run.js').Run} Run */
@@ -35,7 +37,7 @@ const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], Arrow
 const button = (id) => /** @type {HTMLButtonElement} */ (document.getElementById(id));
 
 export class Touch {
-  #canvas = /** @type {HTMLCanvasElement} */ (document.getElementById('output-canvas'));
+  #canvas;
   #regionButton = button('touch-region');
   #undoButton = button('touch-undo');
   #unpinButton = button('touch-unpin');
@@ -58,6 +60,8 @@ export class Touch {
   /** @type {Undo[]} */
   #undos = [];
   #undoing = false;
+  /** What the method can do. */
+  #offers = { moves: true, pins: true, redoes: true };
 
   /**
    * @param {Stage} stage
@@ -69,7 +73,7 @@ export class Touch {
     this.#run = run;
     this.#announce = announce;
     stage.overlay = (context) => this.#draw(context);
-    const canvas = this.#canvas;
+    const canvas = (this.#canvas = stage.surface);
     canvas.addEventListener('pointerdown', (event) => this.#down(event));
     canvas.addEventListener('pointermove', (event) => this.#move(event));
     canvas.addEventListener('pointerup', (event) => this.#up(event));
@@ -99,6 +103,15 @@ export class Touch {
     return this.#regionButton.getAttribute('aria-pressed') === 'true';
   }
 
+  /** What the method can do. @param {import('../common/messages.js').MethodView} method */
+  offer(method) {
+    const lacksRegions = lack(method, 'redo-region');
+    this.#offers = { moves: lack(method, 'move') === null, pins: lack(method, 'pin') === null, redoes: lacksRegions === null };
+    if (lacksRegions && this.#choosesRegion) this.#chooseRegion(false);
+    withhold(this.#regionButton, 'method', lacksRegions);
+    this.changed();
+  }
+
   /** Another run is shown. */
   started() {
     this.#cancel();
@@ -115,7 +128,7 @@ export class Touch {
     this.#unpinButton.textContent = `Unpin ${pinned === 1 ? 'it' : `all ${pinned}`}`;
     this.#undoButton.disabled = this.#undos.length === 0;
     this.#undoButton.title = `${this.#undos.at(-1)?.say ?? 'Nothing to undo'} (Ctrl+Z)`;
-    this.#regionButton.disabled = !this.#stage.touchable;
+    withhold(this.#regionButton, 'stage', this.#stage.touchable ? null : '');
     const hint = this.#says();
     if (this.#hint.textContent !== hint) this.#hint.textContent = hint;
   }
@@ -130,9 +143,10 @@ export class Touch {
     const held = `${countPoints(pinned.length)} pinned.`;
     if (pinned.length > 0 && this.#run.status === 'playing') return `${held} The others make room.`;
     if (pinned.length > 0) return `${held} Go on: the others make room.`;
-    return this.#coarse.matches
-      ? 'Hold a point, then drag it; a tap pins it.'
-      : 'Drag a point: it stays put. A click pins it.';
+    const { moves, pins } = this.#offers;
+    if (moves && pins) return this.#coarse.matches ? 'Hold a point, then drag it; a tap pins it.' : 'Drag a point: it stays put. A click pins it.';
+    if (moves) return this.#coarse.matches ? 'Hold a point, then drag it.' : 'Drag a point to move it.';
+    return pins ? `A ${this.#coarse.matches ? 'tap' : 'click'} pins a point.` : '';
   }
 
   /** @param {Undo} undo */
@@ -188,6 +202,10 @@ export class Touch {
   async #toggle(index) {
     const pinned = !this.#isPinned(index);
     const id = this.#stage.ids[index];
+    if (!this.#offers.pins) {
+      this.#announce('This method can’t pin points.');
+      return;
+    }
     if (!(await this.#tell([id], [], pinned))) return;
     this.#remember({ say: `Undo: ${pinned ? 'pin' : 'unpin'}`, run: () => this.#tell([id], [], !pinned) });
     this.#announce(`Point ${index + 1} ${pinned ? 'is pinned' : 'may move again'}.`);
@@ -202,17 +220,26 @@ export class Touch {
    * @param {boolean} pinned whether it was held before
    */
   async #put(index, place, from, pinned) {
+    if (!this.#offers.moves) {
+      this.#announce('This method can’t move points.');
+      return false;
+    }
     const id = this.#stage.ids[index];
-    const done = await this.#tell([id], place, true);
+    const { pins } = this.#offers;
+    const done = await this.#tell([id], place, pins);
     if (done) {
       this.#remember({ say: 'Undo: move a point', run: () => this.#tell([id], from, pinned) });
-      this.#announce(`Point ${index + 1} is moved and pinned.`);
+      this.#announce(`Point ${index + 1} is moved${pins ? ' and pinned' : ''}.`);
     }
     return done;
   }
 
   /** @param {[number, number][]} corners */
   async #redo(corners) {
+    if (!this.#offers.redoes) {
+      this.#announce('This method can’t do a region again.');
+      return;
+    }
     const { plan, status } = this.#run;
     // Without it, there is only no way back.
     const before = await this.#run.state().catch(() => null);
@@ -232,7 +259,7 @@ export class Touch {
    * @param {string} kind
    */
   #hit(clientX, clientY, kind) {
-    if (!this.#stage.touchable) return -1;
+    if (!this.#stage.touchable || !(this.#offers.moves || this.#offers.pins)) return -1;
     const reach = REACH[/** @type {keyof typeof REACH} */ (kind)] ?? REACH.mouse;
     return this.#stage.pointAt(this.#stage.place(clientX, clientY), reach);
   }
@@ -298,7 +325,7 @@ export class Touch {
       return;
     }
     if (event.pointerId !== drag.pointer) return;
-    if (!drag.moved && from(drag) < CLICK_PX) return;
+    if (!this.#offers.moves || (!drag.moved && from(drag) < CLICK_PX)) return;
     drag.moved = true;
     this.#canvas.classList.add('dragging');
     const place = this.#stage.inside(this.#stage.place(event.clientX, event.clientY));
@@ -314,7 +341,7 @@ export class Touch {
     // Only what is playing has anyone to learn of it.
     if (this.#telling || this.#run.status !== 'playing' || performance.now() - this.#toldAt < TELL_MS) return;
     this.#telling = true;
-    await this.#tell([id], place, true);
+    await this.#tell([id], place, this.#offers.pins);
     this.#telling = false;
     this.#toldAt = performance.now();
   }

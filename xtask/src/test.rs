@@ -160,7 +160,10 @@ impl Session<'_> {
                 web::check_built_size().map(|()| Outcome::Passed)
             }
             Step::Wasm => self.node_tests("tests/wasm"),
-            Step::Browser => self.node_tests("tests/browser"),
+            Step::Browser => {
+                web::build(&web::BuildArguments { pretend: true, ..Default::default() })?;
+                self.node_tests("tests/browser")
+            }
         }
     }
 
@@ -215,6 +218,7 @@ impl Session<'_> {
         let mut tests = process::command("node");
         // One file at a time: the work under test uses every core by itself.
         tests.args(["--test", "--test-reporter=spec", "--test-concurrency=1"]).args(files);
+        tests.env("POINTWEAVE_PRETEND_DIST", web::pretend_dist());
         if let Some(chromium) = requirements::chromium() {
             tests.env("POINTWEAVE_CHROMIUM", chromium);
         }

@@ -51,6 +51,23 @@ pub(crate) struct BuildArguments {
     /// With what the benchmark in the browser calls.
     #[arg(skip)]
     pub(crate) bench: bool,
+    /// With a second, pretend method, into a folder of its own in Cargo's: a page for tests alone.
+    #[arg(long, hide = true)]
+    pub(crate) pretend: bool,
+}
+
+impl BuildArguments {
+    /// Features of the crate beside the module's own.
+    fn features(self, module: Module) -> Vec<&'static str> {
+        let mut features = vec![module.feature];
+        if self.bench && module.feature == "engine-module" {
+            features.push("bench");
+        }
+        if self.pretend {
+            features.push("pretend-method");
+        }
+        features
+    }
 }
 
 /// Where the built page lies.
@@ -58,7 +75,12 @@ pub(crate) fn dist() -> PathBuf {
     process::root().join("dist")
 }
 
-/// Builds the page into `dist/`, which is replaced as a whole. Returns that folder.
+/// Where the page with the pretend method lies.
+pub(crate) fn pretend_dist() -> PathBuf {
+    process::target().join("pretend-dist")
+}
+
+/// Builds the page into its folder, which is replaced as a whole. Returns that folder.
 pub(crate) fn build(arguments: &BuildArguments) -> Result<PathBuf> {
     let www = process::root().join("www");
     if !www.is_dir() {
@@ -70,13 +92,13 @@ pub(crate) fn build(arguments: &BuildArguments) -> Result<PathBuf> {
     copy_folder(&www, &staging)?;
     let package = staging.join("pkg");
     for module in MODULES {
-        compile(module, &package, arguments.bench)?;
+        compile(module, &package, &arguments.features(module))?;
         if arguments.optimize {
             shrink(&module.path(&package))?;
         }
     }
     offline::stamp(&staging)?;
-    let dist = dist();
+    let dist = if arguments.pretend { pretend_dist() } else { dist() };
     remove(&dist)?;
     fs::rename(&staging, &dist)
         .with_context(|| format!("{} can't be moved to {}", staging.display(), dist.display()))?;
@@ -89,7 +111,7 @@ pub(crate) fn size() -> Result<()> {
     let folder = process::target().join("wasm-size");
     remove(&folder)?;
     for module in MODULES {
-        compile(module, &folder, false)?;
+        compile(module, &folder, &[module.feature])?;
         shrink(&module.path(&folder))?;
     }
     check_sizes(&folder)
@@ -122,14 +144,11 @@ fn gzip_size(bytes: &[u8]) -> Result<usize> {
 }
 
 /// Compiles the crate as one of the modules and writes that and its JavaScript half into `folder`.
-fn compile(module: Module, folder: &Path, bench: bool) -> Result<()> {
+fn compile(module: Module, folder: &Path, features: &[&str]) -> Result<()> {
     requirements::provide_target(TRIPLE)?;
     let mut command = process::cargo();
     command.args(["build", "--locked", "--profile", module.profile, "--target", TRIPLE, "--lib"]);
-    command.args(["--no-default-features", "--features", module.feature]);
-    if bench && module.feature == "engine-module" {
-        command.args(["--features", "bench"]);
-    }
+    command.args(["--no-default-features", "--features", &features.join(",")]);
     process::run(&mut command)?;
     let compiled = process::target().join(TRIPLE).join(module.profile).join("pointweave.wasm");
     Bindgen::new()
