@@ -1,16 +1,17 @@
 //! JavaScript values ⇄ messages.
 
+use wasm_bindgen::JsCast as _;
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
+use web_sys::WorkerGlobalScope;
 
-use super::messages::{self, read, to_js};
+use super::messages::{self, Message, read, to_js};
 use super::protocol::Response;
 use super::session::Session;
 
-#[wasm_bindgen]
-extern "C" {
-    /// `performance.now()`, which workers have too.
-    #[wasm_bindgen(js_namespace = performance)]
-    fn now() -> f64;
+/// Milliseconds on the clock of the worker; 0 where there is none.
+fn now() -> f64 {
+    let scope: WorkerGlobalScope = js_sys::global().unchecked_into();
+    scope.performance().map_or(0.0, |clock| clock.now())
 }
 
 /// The session of one worker.
@@ -29,7 +30,7 @@ impl WorkerSession {
     }
 
     /// Answers one request. Requests and responses are plain objects, see `www/common/messages.js`.
-    pub fn handle(&mut self, request: JsValue) -> JsValue {
+    pub fn handle(&mut self, request: Message) -> JsValue {
         let response = match read(&request) {
             Ok(request) => self.0.handle(request, &now),
             Err(error) => misunderstood(&error),
@@ -38,7 +39,7 @@ impl WorkerSession {
     }
 
     /// The same as a promise: what takes a device can only be answered this way. One request at a time.
-    pub async fn answer(&mut self, request: JsValue) -> JsValue {
+    pub async fn answer(&mut self, request: Message) -> JsValue {
         let response = match read(&request) {
             Ok(request) => self.0.answer(request, &now).await,
             Err(error) => misunderstood(&error),

@@ -3,11 +3,11 @@
 use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
 
 use super::files::{FilesResponse, respond};
-use super::messages;
+use super::messages::{self, Message};
 
 /// Answers one request. Requests and responses are plain objects, see `www/common/files-messages.js`.
 #[wasm_bindgen]
-pub fn answer(request: &JsValue) -> JsValue {
+pub fn answer(request: &Message) -> JsValue {
     console_error_panic_hook::set_once();
     let response = match messages::read(request) {
         Ok(request) => respond(request),

@@ -1,15 +1,26 @@
 //! Plain JavaScript objects ⇄ Rust's tagged unions.
 
+use js_sys::{Array, Object};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use wasm_bindgen::prelude::JsValue;
+use wasm_bindgen::prelude::{JsValue, wasm_bindgen};
+
+#[wasm_bindgen]
+extern "C" {
+    /// A message: a plain object whose `type` says which one it is.
+    pub type Message;
+    /// Its `type`; undefined where it has none.
+    ///
+    /// # Errors
+    /// When it is no object at all.
+    #[wasm_bindgen(method, getter, catch, js_name = "type")]
+    fn kind(this: &Message) -> Result<JsValue, JsValue>;
+}
 
 /// Reads a request: its `type` says which, so it becomes the key.
-pub(super) fn read<T: DeserializeOwned>(request: &JsValue) -> Result<T, serde_wasm_bindgen::Error> {
-    let keyed = js_sys::Object::new();
-    let key = js_sys::Reflect::get(request, &"type".into()).unwrap_or(JsValue::UNDEFINED);
-    // Setting a member of a plain object can't fail; a key that is no string becomes one that no request has.
-    let _ = js_sys::Reflect::set(&keyed, &key, request);
+pub(super) fn read<T: DeserializeOwned>(request: &Message) -> Result<T, serde_wasm_bindgen::Error> {
+    // A key that is no string becomes one that no request has.
+    let keyed = Object::from_entries(&Array::of1(&Array::of2(&request.kind()?, request)))?;
     serde_wasm_bindgen::from_value(keyed.into())
 }
 

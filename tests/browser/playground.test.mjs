@@ -93,7 +93,7 @@ describe('the playground', () => {
     const [first, last] = [mean(losses.slice(0, 5)), mean(losses.slice(45, 50))];
     assert.ok(losses.every(Number.isFinite));
     assert.ok(last < 0.8 * first, `the loss went from ${first} to ${last}`);
-    assert.match((await page.locator('#loss-canvas').getAttribute('aria-label')) ?? '', /Gram [\d.e+-]+, correlation/);
+    assert.match((await page.locator('#loss-canvas').getAttribute('aria-label')) ?? '', /Gram [\d.e+-]+, Correlation/);
   });
 
   pageTest('gives four times the points at 2 × 2, as CSV and as SVG', {}, async (page) => {

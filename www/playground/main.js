@@ -1,10 +1,9 @@
 // @ts-check
 /** The playground: puts the parts together and starts the page. */
 import { Files } from '../common/files.js';
-import { keepForOffline } from '../common/offline.js';
 import { points } from '../common/words.js';
-import { WorkerDied, WorkerLink } from '../common/worker-link.js';
-import { isTest, linkInAddress, patience, takeRequestedFile } from './address.js';
+import { WorkerLink } from '../common/worker-link.js';
+import { isTest, patience, takeRequestedFile } from './address.js';
 import { Compare } from './compare.js';
 import { openConsole } from './console.js';
 import { Drawing } from './drawing.js';
@@ -26,7 +25,8 @@ import { SessionView } from './session-view.js';
 import { Settings } from './settings.js';
 import { Share } from './share.js';
 import { Stage } from './stage.js';
-import { FIRST_EXEMPLAR, FIRST_SETTINGS, chooseExemplar, isPrivate, methodOf, pageStore } from './state.js';
+import { Start } from './start.js';
+import { chooseExemplar, isPrivate, methodOf, pageStore } from './state.js';
 import { Statistics } from './statistics.js';
 import { Take } from './take.js';
 import { lack } from './tools.js';
@@ -167,53 +167,14 @@ function onWorkerDeath(reason) {
   engine.workerDied();
   if (store.state.booted) return running.workerDied(reason);
   run.workerDied();
-  notices.notify(`The computation could not start: ${reason}.`, { label: 'Try again', act: () => void boot() });
+  notices.notify(`The computation could not start: ${reason}.`, { label: 'Try again', act: () => void start.boot() });
 }
 
 // ---------------------------------------------------------------------------------------------- start
 
-/** @param {import('../common/messages.js').GalleryEntryView[]} entries */
-function showGallery(entries) {
-  gallery.show(entries);
-  const { source } = chosen();
-  const entry = source.source === 'gallery' ? gallery.entry(source.name) : null;
-  if (!entry) return;
-  const { title, caption } = entry;
-  store.update({ chosen: entry, exemplar: { ...store.state.exemplar, title, caption } });
-  const boundary = entries.find(({ name }) => name === source.name)?.pattern.boundary;
-  if (boundary && !store.state.settings.knowsBoundary) chooseExemplar(store, entry, boundary);
-}
-
-async function boot() {
-  try {
-    const continued = tab.resume();
-    await Promise.all([
-      link.ask({ type: 'describe' }).then((description) => {
-        engine.describe(description.engine);
-        look.learn(description.glyphs);
-        store.update({ description });
-      }),
-      link.ask({ type: 'gallery' }).then(({ entries }) => showGallery(entries)),
-    ]);
-    store.update({ booted: true });
-    void keepForOffline();
-    if (!(await continued) && (linkInAddress() === '' || !(await links.openAddress()))) {
-      const first = gallery.entry(FIRST_EXEMPLAR.value) ?? FIRST_EXEMPLAR;
-      if (store.state.status === 'empty' && chosen() !== first) {
-        // What was kept can't be used any more.
-        notices.unnotify();
-        store.update({ chosen: first, settings: FIRST_SETTINGS });
-      }
-      await running.begin(true);
-    }
-    host.listen();
-  } catch (error) {
-    if (!(error instanceof WorkerDied)) throw error;
-  }
-}
-
+const start = new Start(parts, { engine, look, links, tab, host });
 openConsole({ store, running, stage, drawing, chart, look, statistics, link });
 listenToKeys(running);
-void boot();
+void start.boot();
 const requested = takeRequestedFile();
 if (requested !== null) importer.openAddress(requested);

@@ -4,14 +4,15 @@
  * ten batches a second look like a movement; a paused run is drawn exactly.
  */
 import { areThings, drawPoints, markRadius, prepare, readColours } from '../common/draw.js';
+import { carried, glide } from './glide.js';
 
 /** @typedef {import('../common/messages.js').PatternView} PatternView */
 /** @typedef {import('../common/messages.js').Points} Points */
 
+/** A twentieth of a pixel is not seen. */
+const NOT_SEEN = 0.05;
 /** Room around the domain inside a canvas, so that marks on the border are whole. */
 const MARGIN = 8;
-/** The drawn points cover this share of their way in about 60 ms. */
-const GLIDE_MS = 70;
 /** Narrower than this, result, tools and exemplar stand one below the other; the editor needs more. */
 const STACK_BELOW = 560;
 const STACK_EDITOR_BELOW = 680;
@@ -262,24 +263,8 @@ export class Stage {
     const before = this.#output.points.ids;
     this.#output.points = points;
     if (this.#reducedMotion.matches) this.#drawn = points.positions.slice();
-    else if (!same(before, points.ids)) this.#drawn = this.#carried(before, points);
+    else this.#drawn = carried(this.#drawn, before, points);
     this.#animate();
-  }
-
-  /**
-   * Where points that came and went are drawn: those that stayed go on from where they are, new ones stand where they belong.
-   *
-   * @param {Uint32Array} before the ids so far
-   * @param {Points} points
-   */
-  #carried(before, { ids, positions }) {
-    const places = new Map(Array.from(before, (id, index) => [id, index]));
-    const drawn = positions.slice();
-    for (const [index, id] of ids.entries()) {
-      const place = places.get(id);
-      if (place !== undefined) drawn.set(this.#drawn.subarray(2 * place, 2 * place + 2), 2 * index);
-    }
-    return drawn;
   }
 
   /** How high a picture of that width is. @param {number} width in pixels @param {boolean} tile */
@@ -561,44 +546,11 @@ export class Stage {
     this.#lastFrame = performance.now();
     const step = (/** @type {number} */ now) => {
       this.#frame = 0;
-      const arrived = this.#glide(Math.max(0, now - this.#lastFrame));
+      const arrived = !this.#output || glide(this.#drawn, this.#output, Math.max(0, now - this.#lastFrame), NOT_SEEN / this.#scale, this.#held);
       this.#lastFrame = now;
       this.#drawOutput();
       if (!arrived) this.#frame = requestAnimationFrame(step);
     };
     this.#frame = requestAnimationFrame(step);
   }
-
-  /** @param {number} elapsedMs */
-  #glide(elapsedMs) {
-    if (!this.#output) return true;
-    const target = this.#output.points.positions;
-    const periodic = this.#output.boundary === 'periodic';
-    const share = 1 - Math.exp(-elapsedMs / GLIDE_MS);
-    // A twentieth of a device pixel is not seen.
-    const close = 0.05 / this.#scale;
-    let arrived = true;
-    for (let i = 0; i < target.length; i++) {
-      if (this.#held?.index === i >> 1) {
-        this.#drawn[i] = this.#held.place[i % 2];
-        continue;
-      }
-      const side = this.#output.size[i % 2];
-      let way = target[i] - this.#drawn[i];
-      // On a torus the short way may lead across the border.
-      if (periodic) way -= side * Math.round(way / side);
-      if (Math.abs(way) <= close) {
-        this.#drawn[i] = target[i];
-        continue;
-      }
-      arrived = false;
-      let next = this.#drawn[i] + share * way;
-      if (periodic) next -= side * Math.floor(next / side);
-      this.#drawn[i] = next;
-    }
-    return arrived;
-  }
 }
-
-/** @param {Uint32Array} a @param {Uint32Array} b */
-const same = (a, b) => a.length === b.length && a.every((id, index) => id === b[index]);

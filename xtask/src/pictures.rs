@@ -26,7 +26,9 @@ const EXACT_COLORS: usize = 160;
 /// Side of an exemplar in a strip, and what is between it and the result, in pixels.
 const STRIP_UNIT: f64 = 150.0;
 const STRIP_GAP: f64 = 60.0;
-/// The same on the sheet, where results are twice as wide as the exemplar.
+/// Around both: what stands on the border of an open pattern stays whole.
+const MARGIN: f64 = 6.0;
+/// The same as above on the sheet, where results are twice as wide as the exemplar.
 const SHEET_UNIT: f64 = 84.0;
 const SHEET_GAP: f64 = 8.0;
 const SHEET_SCALE: &str = "2x1";
@@ -275,20 +277,16 @@ impl Drawing {
 
     /// As an element of another SVG, `px` for each unit, its names begun with `prefix`.
     fn place(&self, prefix: &str, [left, top]: [f64; 2], px: f64) -> String {
-        let [x, y, width, height] = self.frame;
-        // The frame's line is half outside; a view that ends on the frame would show half of it.
-        let line = 1.0;
-        let view = [x - line, y - line, width + 2.0 * line, height + 2.0 * line];
         let body = self
             .body
             .replace("id=\"", &format!("id=\"{prefix}"))
             .replace("url(#", &format!("url(#{prefix}"))
             .replace("href=\"#", &format!("href=\"#{prefix}"));
         format!(
-            "<svg x=\"{left}\" y=\"{top}\" width=\"{}\" height=\"{}\" viewBox=\"{}\">{body}</svg>\n",
+            "<svg x=\"{left}\" y=\"{top}\" width=\"{}\" height=\"{}\" viewBox=\"{}\" overflow=\"visible\">{body}</svg>\n",
             self.size[0] * px,
             self.size[1] * px,
-            view.map(|value| value.to_string()).join(" "),
+            self.frame.map(|value| value.to_string()).join(" "),
         )
     }
 }
@@ -297,21 +295,22 @@ impl Drawing {
 fn pair(exemplar: &Drawing, result: &Drawing, unit: f64, gap: f64, arrow: bool) -> String {
     let px = unit / exemplar.size[1];
     let [exemplar_size, result_size] = [exemplar, result].map(|drawing| drawing.size.map(|side| side * px));
-    let (width, height) = (exemplar_size[0] + gap + result_size[0], exemplar_size[1].max(result_size[1]));
-    let middle = height / 2.0;
+    let width = exemplar_size[0] + gap + result_size[0] + 2.0 * MARGIN;
+    let height = exemplar_size[1].max(result_size[1]) + 2.0 * MARGIN;
+    let (left, middle) = (MARGIN + exemplar_size[0] + gap, height / 2.0);
     let mut picture = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
          role=\"img\">\n<title>An exemplar and what was made of it</title>\n<rect width=\"{width}\" height=\"{height}\" \
          fill=\"#fff\"/>\n"
     );
-    picture.push_str(&exemplar.place("exemplar-", [0.0, middle - exemplar_size[1] / 2.0], px));
+    picture.push_str(&exemplar.place("exemplar-", [MARGIN, middle - exemplar_size[1] / 2.0], px));
     if arrow {
-        let (from, to) = (exemplar_size[0] + gap / 4.0, exemplar_size[0] + 0.75 * gap);
+        let (from, to) = (left - 0.75 * gap, left - gap / 4.0);
         picture.push_str(&format!(
             "<path d=\"M{from} {middle}H{to}m-8 -6l8 6l-8 6\" fill=\"none\" stroke=\"#666\" stroke-width=\"2\"/>\n"
         ));
     }
-    picture.push_str(&result.place("result-", [exemplar_size[0] + gap, middle - result_size[1] / 2.0], px));
+    picture.push_str(&result.place("result-", [left, middle - result_size[1] / 2.0], px));
     picture + "</svg>\n"
 }
 
@@ -465,8 +464,8 @@ mod tests {
         };
         let (exemplar, result) = (drawing("0 0 2 1", "5 5 90 45"), drawing("1 1 7 4", "5 5 90 45"));
         let strip = pair(&exemplar, &result, 100.0, 40.0, true);
-        assert!(strip.contains("width=\"840\" height=\"300\""), "{strip}");
-        assert!(strip.contains("y=\"100\" width=\"200\" height=\"100\" viewBox=\"4 4 92 47\""), "{strip}");
+        assert!(strip.contains("width=\"852\" height=\"312\""), "{strip}");
+        assert!(strip.contains("x=\"6\" y=\"106\" width=\"200\" height=\"100\" viewBox=\"5 5 90 45\""), "{strip}");
         assert_eq!(strip.matches("id=\"exemplar-tile\"").count(), 1);
         assert_eq!(strip.matches("url(#result-tile)").count(), 1);
         assert_eq!(strip.matches("href=\"#result-glyph-0\"").count(), 1);

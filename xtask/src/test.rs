@@ -46,6 +46,9 @@ enum Step {
     Browser,
 }
 
+/// Natively there is a second method, so that tests see how one is offered.
+const PRETEND: &str = "pointweave/pretend-method";
+
 impl Step {
     fn title(self) -> &'static str {
         match self {
@@ -146,7 +149,7 @@ impl Session<'_> {
             Step::Format => self.all(&mut [cargo(&["fmt", "--all", "--check"])]),
             Step::Lint => {
                 requirements::provide_target(web::TRIPLE)?;
-                let mut native = cargo(&["clippy", "--locked", "--workspace", "--all-targets"]);
+                let mut native = cargo(&["clippy", "--locked", "--workspace", "--all-targets", "--features", PRETEND]);
                 let mut wasm = cargo(&["clippy", "--locked", "--target", "wasm32-unknown-unknown", "--lib"]);
                 for command in [&mut native, &mut wasm] {
                     command.args(["--", "--deny", "warnings"]);
@@ -154,7 +157,9 @@ impl Session<'_> {
                 self.all(&mut [native, wasm])
             }
             Step::Types => self.types(),
-            Step::Native => self.all(&mut [cargo(&["test", "--locked", "--workspace", "--no-fail-fast"])]),
+            Step::Native => {
+                self.all(&mut [cargo(&["test", "--locked", "--workspace", "--no-fail-fast", "--features", PRETEND])])
+            }
             Step::Web => {
                 self.build_page()?;
                 web::check_built_size().map(|()| Outcome::Passed)
