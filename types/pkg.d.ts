@@ -1,6 +1,6 @@
 // The wasm package is made by the build and not in the repository.
 declare module '*/pkg/pointweave.js' {
-  export default function init(): Promise<unknown>;
+  export default function init(options?: { module_or_path: WebAssembly.Module }): Promise<unknown>;
   /** For those who hold the bytes of the module already. */
   export function initSync(options: { module: BufferSource }): unknown;
   /** A workload as JSON in, a report as JSON out. */

@@ -13,8 +13,14 @@ import init, { WorkerSession } from './pkg/pointweave.js';
 /** Only a page opened for a test may ask the worker to die. */
 const isTest = new URL(self.location.href).searchParams.get('test') === '1';
 
+/** The page has the module compiled, or null where it could not: then it is fetched here. @type {(module: WebAssembly.Module | null) => void} */
+let give = () => {};
+/** @type {Promise<WebAssembly.Module | null>} */
+const given = new Promise((resolve) => void (give = resolve));
 /** @type {Promise<WorkerSession>} */
-const session = init().then(() => new WorkerSession());
+const session = given
+  .then((module) => (module ? init({ module_or_path: module }) : init()))
+  .then(() => new WorkerSession());
 
 /** A real trap, as a bug in the wasm would cause: `(module (func (export "f") unreachable))`. */
 const TRAP = Uint8Array.of(
@@ -98,7 +104,8 @@ function die(error) {
   self.postMessage({ died: error instanceof Error ? error.message : String(error) });
 }
 
-self.onmessage = ({ data: { id, request } }) => {
+self.onmessage = ({ data: { id, request, module } }) => {
+  if (module !== undefined) return give(module);
   if (request.type === 'engine') {
     const choice = ++choices;
     prepareEngine(request).then(

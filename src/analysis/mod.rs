@@ -48,6 +48,7 @@ pub use marks::{
     ASSIGNMENTS, AttributeCorrelation, AttributeError, ClassPairError, MarkComparison, MarkCorrelation, MarkError,
     MarkFunction, mark_correlation,
 };
+#[cfg(not(target_arch = "wasm32"))]
 pub(crate) use nearest::quantile;
 pub use nearest::{Histogram, NEIGHBOURS, NearestDistances, Summary, nearest_distances};
 pub use neighbourhoods::{NEIGHBOURHOOD, NeighbourhoodMatch, Neighbourhoods};

@@ -6,6 +6,11 @@
 /** @typedef {import('./messages.js').Request} Request */
 /** @typedef {import('./messages.js').Answers} Answers */
 
+/**
+ * A worker that was started before the page's modules were there, and its WebAssembly; see `early.js`.
+ * @typedef {{ url: string, worker: Worker, module: Promise<WebAssembly.Module | null>, failed: string | null }} Early
+ */
+
 /** A request the worker refused, with the sentence it gave. */
 export class Refused extends Error {
   /** @param {import('./messages.js').ErrorResponse} response */
@@ -29,6 +34,10 @@ export class WorkerLink {
   #url;
   #patienceMs;
   #onDeath;
+  /** What is still to be taken over. @type {Early | null} */
+  #early;
+  /** The WebAssembly for workers that replace others. @type {Promise<WebAssembly.Module | null>} */
+  #module;
 
   /**
    * @param {string} url of the worker's module
@@ -39,12 +48,29 @@ export class WorkerLink {
     this.#url = url;
     this.#patienceMs = patienceMs;
     this.#onDeath = onDeath;
+    const { early } = /** @type {{ early?: Early }} */ (globalThis);
+    this.#early = early?.url === url ? early : null;
+    this.#module = this.#early?.module ?? Promise.resolve(null);
+  }
+
+  /** The worker that is there already; else a new one, with the WebAssembly that is there already. */
+  #take() {
+    const early = this.#early;
+    this.#early = null;
+    if (early) {
+      // Also when it failed before anybody listened.
+      if (early.failed !== null) queueMicrotask(() => early.worker === this.#worker && this.#bury(early.failed ?? ''));
+      return early.worker;
+    }
+    const worker = new Worker(this.#url, { type: 'module' });
+    void this.#module.then((module) => worker.postMessage({ module }));
+    return worker;
   }
 
   /** Starts the worker if there is none. */
   #open() {
     if (this.#worker) return this.#worker;
-    const worker = new Worker(this.#url, { type: 'module' });
+    const worker = this.#take();
     worker.onmessage = ({ data }) => {
       if (worker !== this.#worker) return;
       if ('died' in data) {

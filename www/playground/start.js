@@ -14,6 +14,9 @@ import { FIRST_EXEMPLAR, FIRST_SETTINGS, chooseExemplar } from './state.js';
  * @property {import('./embed.js').Host} host
  */
 
+/** The page is kept for when there is no network once it has settled. */
+const KEEP_AFTER_MS = 1500;
+
 export class Start {
   #parts;
   #others;
@@ -33,20 +36,45 @@ export class Start {
     const { links, tab, host } = this.#others;
     try {
       const continued = tab.resume();
-      await Promise.all([
-        link.ask({ type: 'describe' }).then((description) => this.#describe(description)),
-        link.ask({ type: 'gallery' }).then(({ entries }) => this.#showGallery(entries)),
-      ]);
-      store.update({ booted: true });
-      void keepForOffline();
-      if (!(await continued) && (linkInAddress() === '' || !(await links.openAddress()))) {
+      const hasLink = linkInAddress() !== '';
+      this.#describe(await link.ask({ type: 'describe' }));
+      // A link's exemplar may be one of the gallery's cards. Everybody else sees points move first.
+      if (hasLink) await this.#askForGallery();
+      if (!(await continued) && (!hasLink || !(await links.openAddress()))) {
         this.#forgetUnusable();
         await running.begin(true);
       }
+      if (!hasLink) {
+        await this.#firstMove();
+        await this.#askForGallery();
+      }
+      store.update({ booted: true });
       host.listen();
+      // Its forty files would come between the visitor and the first iterations.
+      setTimeout(() => void keepForOffline(), KEEP_AFTER_MS);
     } catch (error) {
       if (!(error instanceof WorkerDied)) throw error;
     }
+  }
+
+  async #askForGallery() {
+    const { entries } = await this.#parts.link.ask({ type: 'gallery' });
+    this.#showGallery(entries);
+  }
+
+  /** Until the points have moved, or will not by themselves. @returns {Promise<void>} */
+  #firstMove() {
+    const { store } = this.#parts;
+    const isOver = (/** @type {import('./state.js').State} */ { status, progress }) =>
+      status !== 'playing' || (progress?.totalIterations ?? 0) > 0;
+    if (isOver(store.state)) return Promise.resolve();
+    return new Promise((resolve) => {
+      const end = store.subscribe(isOver, (over) => {
+        if (!over) return;
+        queueMicrotask(() => end());
+        resolve();
+      });
+    });
   }
 
   /** @param {import('../common/messages.js').DescriptionResponse} description */
