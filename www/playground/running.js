@@ -151,8 +151,10 @@ export class Running {
   #started(started) {
     this.#hooks.started(started);
     const { exemplar, output, parameters, progress } = started;
-    const { title, caption } = this.#store.state.chosen;
+    const { chosen: { title, caption }, settings } = this.#store.state;
     this.#store.update({
+      // The worker has decided what nobody had said.
+      ...(!settings.knowsBoundary && { settings: { ...settings, boundary: output.boundary, knowsBoundary: true } }),
       plan: this.run.plan,
       parameters,
       progress,
