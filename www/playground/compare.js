@@ -7,11 +7,21 @@ import { Refused, WorkerDied } from '../common/worker-link.js';
 
 /** @typedef {import('../common/messages.js').Parameters} Parameters */
 
+/** @typedef {import('../common/messages.js').Source} Source */
+
 /** So many differences are named; the rest are in the title. */
 const NAMED = 4;
 
 /** @param {string} id */
 const element = (id) => /** @type {HTMLElement} */ (document.getElementById(id));
+
+/**
+ * A built-in exemplar is the same by its name, any other by what it holds.
+ *
+ * @param {Source | null} a
+ * @param {Source} b
+ */
+const isSame = (a, b) => a === b || (a?.source === 'gallery' && b.source === 'gallery' && a.name === b.name);
 
 export class Compare {
   #stage;
@@ -24,7 +34,7 @@ export class Compare {
   /** @type {Parameters | null} */
   #present = null;
   /** What the results are made from; an A of another exemplar says nothing. */
-  #source = /** @type {unknown} */ (null);
+  #source = /** @type {Source | null} */ (null);
 
   /**
    * @param {import('./stage.js').Stage} stage
@@ -58,10 +68,10 @@ export class Compare {
    * Another run is shown.
    *
    * @param {Parameters} parameters
-   * @param {unknown} source
+   * @param {Source} source
    */
   started(parameters, source) {
-    if (this.#source !== source) this.#drop();
+    if (!isSame(this.#source, source)) this.#drop();
     this.#turn(false);
     this.#source = source;
     this.#present = parameters;
