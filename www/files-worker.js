@@ -58,6 +58,8 @@ async function respond(request) {
 let line = Promise.resolve();
 let dead = false;
 self.onmessage = ({ data: { id, request } }) => {
+  // The link to a worker hands on compiled WebAssembly first; this one fetches its own.
+  if (!request) return;
   line = line.then(async () => {
     if (dead) return;
     try {
