@@ -76,7 +76,7 @@ pub fn misfits(output: &Cloud, exemplar: &Cloud) -> Vec<f64> {
     matches.into_iter().map(|found| found.map_or(0.0, misfit)).collect()
 }
 
-/// Moves the points for up to `rounds` rounds; frozen ones count. Classes are told apart. Returns how many rounds were
+/// Moves the points for up to `rounds` rounds; frozen ones count. Classes are distinguished. Returns how many rounds were
 /// made.
 pub fn align(points: &mut [DVec2], arrangement: Arrangement<'_>, exemplar: &Cloud, rounds: u32) -> u32 {
     let Some(reference) = Reference::of(exemplar) else { return 0 };
@@ -199,15 +199,15 @@ mod tests {
     }
 
     #[test]
-    fn a_shaken_lattice_becomes_straight() {
+    fn a_jittered_lattice_becomes_straight() {
         let exemplar = cloud(&grid(6, 0.0), 1.0);
-        let shaken = grid(12, 0.15);
-        let before = mean_misfit(&shaken, &exemplar);
-        let straight = aligned(&shaken, &[0; 144], 0, &exemplar, 200);
+        let jittered = grid(12, 0.15);
+        let before = mean_misfit(&jittered, &exemplar);
+        let straight = aligned(&jittered, &[0; 144], 0, &exemplar, 200);
         let after = mean_misfit(&straight, &exemplar);
         assert!(before > 0.05 && after < 0.1 * before, "{before} {after}");
         // Negative control: without rounds nothing happens.
-        assert_eq!(aligned(&shaken, &[0; 144], 0, &exemplar, 0), shaken);
+        assert_eq!(aligned(&jittered, &[0; 144], 0, &exemplar, 0), jittered);
     }
 
     #[test]

@@ -277,15 +277,15 @@ pub fn write_link(link: &Link) -> Result<Written, LinkError> {
 fn rounding(sheet: &Sheet, precision: Precision, spacing: f64) -> String {
     let parts = |step: u16, last: u16| (f64::from(last) / f64::from(step)).round();
     let places = parts(precision.place, PLACES);
-    let mut told = Vec::new();
+    let mut rounded = Vec::new();
     if precision.place > 1 {
         let share = (2.0 * places * spacing).floor();
-        told.push(format!("points to 1/{places} of the pattern (no more than 1/{share} of their mean spacing)"));
+        rounded.push(format!("points to 1/{places} of the pattern (no more than 1/{share} of their mean spacing)"));
     }
     if precision.value > 1 && sheet.has_steps() {
-        told.push(format!("values to 1/{} of their range", parts(precision.value, VALUES)));
+        rounded.push(format!("values to 1/{} of their range", parts(precision.value, VALUES)));
     }
-    format!("To keep the link under {SHORT} characters it rounds {}; a file keeps every digit.", told.join(" and "))
+    format!("To keep the link under {SHORT} characters it rounds {}; a file keeps every digit.", rounded.join(" and "))
 }
 
 /// The fragment but for the points. The exemplar must be as the receiver will have it.

@@ -84,7 +84,7 @@ impl Tool {
     }
 }
 
-/// What a run would take, told before it begins.
+/// What a run would take, known before it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
     /// Points of the output.

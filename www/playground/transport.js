@@ -69,7 +69,7 @@ export class Transport {
     const { totalIterations, done } = progress;
     const finished = status === 'finished';
     const part = classes > 1 ? `Class ${turn + 1} of ${classes} (${shown?.classNames[klass] ?? ''}) · ` : '';
-    const again = redoing ? ' · Redoing a region' : restart > 0 ? ` · Mending the worst, ${restart} of ${restarts}` : '';
+    const again = redoing ? ' · Redoing a region' : restart > 0 ? ` · Another try at the worst regions, ${restart} of ${restarts}` : '';
     this.#scale.textContent = finished ? 'Finished' : `${part}Scale ${scale + 1} of ${scales}${again}`;
     this.#iteration.textContent = `Iteration ${totalIterations}`;
     this.#left.textContent = secondsLeft === null ? '' : `about ${duration(secondsLeft)} left`;

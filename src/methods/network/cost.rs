@@ -1,4 +1,4 @@
-//! What a run would take, told before it begins.
+//! What a run would take, known before it begins.
 
 use glam::DVec2;
 

@@ -168,7 +168,7 @@ pub struct Parameters {
     /// something: a point less, a point more, or one moved from where it is too many to where it is missing.
     #[serde(default)]
     pub transplants: u32,
-    /// How often the regions that came out worst are shaken and go through the finer half of the ladder again; what does
+    /// How often the regions that came out worst are moved at random and go through the finer half of the ladder again; what does
     /// not become better is undone.
     pub restarts: u32,
     /// After each scale disks (points with an attribute `radius`) are moved until they overlap as the exemplar's do, by

@@ -118,9 +118,9 @@ impl Session {
     }
 
     pub(super) fn gpu_view(&self, gpu: &Gpu) -> EngineView {
-        let told = self.adapter.as_ref().map_or("", |adapter| adapter.name.as_str());
+        let reported = self.adapter.as_ref().map_or("", |adapter| adapter.name.as_str());
         let emulated = gpu.info().software || self.adapter.as_ref().is_some_and(|adapter| adapter.software);
-        let name = [told, gpu.info().name.as_str()].into_iter().find(|name| !name.is_empty()).unwrap_or("GPU");
+        let name = [reported, gpu.info().name.as_str()].into_iter().find(|name| !name.is_empty()).unwrap_or("GPU");
         EngineView {
             gpu: true,
             name: name.to_owned(),

@@ -78,11 +78,11 @@ enum Pulled {
 pub struct Session {
     running: Option<Running>,
     gpu: Option<Arc<Gpu>>,
-    /// What the browser told about it.
+    /// What the browser says about it.
     adapter: Option<AdapterView>,
     /// How many were lost since the person chose.
     devices_lost: u32,
-    /// What computes now, and why, if that has not been told yet.
+    /// What computes now, and why, if the page does not know it yet.
     change: Option<(EngineView, Option<String>)>,
 }
 
