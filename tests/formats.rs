@@ -150,7 +150,11 @@ fn the_domain_is_declared_or_found() {
     assert_eq!(boxed.domain(), domain(-1.0, -1.0, 6.0, 4.0));
     assert_eq!(good("10 5\n12 5\n14 5").domain(), domain(9.0, 4.0, 6.0, 2.0));
 
-    let options = ReadOptions { domain: Some(domain(0.0, 0.0, 9.0, 9.0)), boundary: Some(Boundary::Periodic) };
+    let options = ReadOptions {
+        domain: Some(domain(0.0, 0.0, 9.0, 9.0)),
+        boundary: Some(Boundary::Periodic),
+        ..ReadOptions::default()
+    };
     for text in ["# domain 0 0 5 5 open\n1 1", "[[1,1]]", &write_json(&good("# domain 0 0 5 5\n1 1"))] {
         let pattern = read(text.as_bytes(), None, &options).unwrap();
         assert_eq!((pattern.domain(), pattern.boundary()), (domain(0.0, 0.0, 9.0, 9.0), Boundary::Periodic), "{text}");
@@ -365,7 +369,7 @@ fn opened(bytes: impl AsRef<[u8]>) -> Reading {
 
 #[track_caller]
 fn noted(reading: &Reading, part: &str) {
-    assert!(reading.notes.iter().any(|note| note.contains(part)), "{:?} without {part:?}", reading.notes);
+    assert!(reading.notes.iter().any(|note| note.text.contains(part)), "{:?} without {part:?}", reading.notes);
 }
 
 #[test]
@@ -655,7 +659,11 @@ fn numpy_arrays_of_every_kind() {
 fn our_own_arrays_read_back() {
     for seed in 0..20 {
         let pattern = awkward(seed);
-        let options = ReadOptions { domain: Some(pattern.domain()), boundary: Some(pattern.boundary()) };
+        let options = ReadOptions {
+            domain: Some(pattern.domain()),
+            boundary: Some(pattern.boundary()),
+            ..ReadOptions::default()
+        };
         let bytes = write_npy(&pattern);
         assert_eq!(bytes.iter().position(|&byte| byte == b'\n').map(|end| (end + 1) % 64), Some(0));
         let back = read(&bytes, None, &options).unwrap();

@@ -456,7 +456,7 @@ fn links_keep_the_presets_they_were_made_with() {
         }
     }
     let later = read_link(&format!("v=1&presets={}", EDITION + 1)).unwrap();
-    assert!(later.notes[0].contains("later presets"), "{:?}", later.notes);
+    assert!(later.notes[0].text.contains("later presets"), "{:?}", later.notes);
 }
 
 /// Records what links of the present edition mean. Only as long as none are about: afterwards presets get a new edition.

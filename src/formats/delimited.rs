@@ -1,5 +1,6 @@
 //! Comma, semicolon and tab: reading by the `csv` crate, and our own CSV.
 
+use super::Origin;
 use super::declaration::{Declared, domain_line, number_text};
 use super::error::FormatError;
 use super::table::{ATTRIBUTE_PREFIX, Row, RowPlace, Table};
@@ -80,6 +81,12 @@ impl Cursor<'_> {
 /// header, then one row a point. The class column is left out where there is only the default class.
 #[must_use]
 pub fn write_csv(pattern: &PointPattern) -> String {
+    write_csv_like(pattern, &Origin::default())
+}
+
+/// The same with the columns named as those of the exemplar's file were, units included.
+#[must_use]
+pub fn write_csv_like(pattern: &PointPattern, origin: &Origin) -> String {
     let mut text = domain_line(pattern.domain(), pattern.boundary());
     text.push('\n');
     let names = pattern.class_names();
@@ -88,7 +95,7 @@ pub fn write_csv(pattern: &PointPattern) -> String {
         text.push_str("# classes: ");
         push_row(&mut text, names, ',');
     }
-    push_table(&mut text, pattern, with_class, ',');
+    push_table(&mut text, pattern, with_class, ',', origin);
     text
 }
 
@@ -97,17 +104,23 @@ pub fn write_csv(pattern: &PointPattern) -> String {
 #[must_use]
 pub fn write_tsv(pattern: &PointPattern) -> String {
     let mut text = String::new();
-    push_table(&mut text, pattern, pattern.class_names() != ["points"], '\t');
+    push_table(&mut text, pattern, pattern.class_names() != ["points"], '\t', &Origin::default());
     text
 }
 
-fn push_table(text: &mut String, pattern: &PointPattern, with_class: bool, delimiter: char) {
+fn push_table(text: &mut String, pattern: &PointPattern, with_class: bool, delimiter: char, origin: &Origin) {
     let names = pattern.class_names();
-    let mut cells = vec!["x".to_owned(), "y".to_owned()];
+    let mut cells: Vec<String> = match &origin.axes {
+        Some(axes) => axes.to_vec(),
+        None => vec!["x".to_owned(), "y".to_owned()],
+    };
     if with_class {
-        cells.push("class".to_owned());
+        cells.push(origin.class.clone().unwrap_or_else(|| "class".to_owned()));
     }
-    cells.extend(pattern.attributes().iter().map(|attribute| header_name(&attribute.name)));
+    cells.extend(pattern.attributes().iter().map(|attribute| match origin.header(&attribute.name) {
+        header if header == attribute.name => header_name(header),
+        header => header.to_owned(),
+    }));
     push_row(text, &cells, delimiter);
     for (i, position) in pattern.positions().iter().enumerate() {
         cells.clear();

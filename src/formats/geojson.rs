@@ -1,14 +1,14 @@
 //! GeoJSON (RFC 7946): `Point` and `MultiPoint`, alone, in features or in collections. Coordinates are taken as they are,
 //! on a plane; a property named `class` or the like gives the class, properties that are numbers become attributes.
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use super::declaration::Declared;
 use super::error::FormatError;
 use super::json::{cell, entry_places, kind, layout, layout_at, member_place};
 use super::table::{Role, Row, RowPlace, Table};
-use super::{FileFormat, ReadOptions, Reading};
-use crate::pattern::{MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH};
+use super::{FileFormat, Note, Origin, ReadOptions, Reading};
+use crate::pattern::{MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH, PointPattern};
 
 /// Geometries that hold no points.
 const OTHER_SHAPES: [&str; 4] = ["LineString", "MultiLineString", "Polygon", "MultiPolygon"];
@@ -52,11 +52,11 @@ pub(super) fn read(text: &str, object: &Map<String, Value>, options: &ReadOption
         found.object(object, RowPlace::Entry(1, member_place(text, &[])), None, 0)?;
     }
 
-    let mut notes = vec!["Coordinates are taken as they are, on a plane.".to_owned()];
+    let mut notes = vec![Note::changed("Coordinates are taken as they are, on a plane.")];
     match found.others {
         0 => {}
-        1 => notes.push("One shape that is no point was left out.".to_owned()),
-        others => notes.push(format!("{others} shapes that are no points were left out.")),
+        1 => notes.push(Note::left_out("One shape that is no point was left out.")),
+        others => notes.push(Note::left_out(format!("{others} shapes that are no points were left out."))),
     }
     let columns = Columns::choose(&found.points, &mut notes);
     let mut table = Table::new(Declared::default());
@@ -72,8 +72,31 @@ pub(super) fn read(text: &str, object: &Map<String, Value>, options: &ReadOption
         table.push(Row { place: point.place, cells })?;
     }
     let mut reading = table.into_reading(FileFormat::GeoJson, options)?;
-    reading.notes = notes;
+    reading.notes.splice(0..0, notes);
     Ok(reading)
+}
+
+/// Writes a pattern as a collection of points: in degrees where the exemplar's were, else as its positions are, and with
+/// class and attributes under the names they had.
+#[must_use]
+pub fn write_geojson(pattern: &PointPattern, origin: &Origin) -> String {
+    let features: Vec<Value> = (0..pattern.len())
+        .map(|i| {
+            let position = pattern.positions()[i];
+            let [x, y] = origin.projection.map_or(position, |projection| projection.unproject(position)).to_array();
+            let mut properties = Map::new();
+            if pattern.class_names() != ["points"] {
+                let name = origin.class.as_deref().unwrap_or("class");
+                properties
+                    .insert(name.to_owned(), pattern.class_names()[usize::from(pattern.classes()[i])].clone().into());
+            }
+            for attribute in pattern.attributes() {
+                properties.insert(origin.header(&attribute.name).to_owned(), attribute.values[i].into());
+            }
+            json!({"type": "Feature", "geometry": {"type": "Point", "coordinates": [x, y]}, "properties": properties})
+        })
+        .collect();
+    json!({"type": "FeatureCollection", "features": features}).to_string() + "\n"
 }
 
 fn at(place: RowPlace) -> Option<(usize, usize)> {
@@ -165,7 +188,7 @@ struct Columns<'a> {
 
 impl<'a> Columns<'a> {
     /// Every point must have them: a property that some lack is left out, and so is one of many different words.
-    fn choose(points: &[Point<'a>], notes: &mut Vec<String>) -> Self {
+    fn choose(points: &[Point<'a>], notes: &mut Vec<Note>) -> Self {
         let mut columns = Self::default();
         let Some(first) = points.first().and_then(|point| point.properties) else { return columns };
         let all = |name: &str, is: &dyn Fn(&Value) -> bool| {
@@ -204,7 +227,9 @@ impl<'a> Columns<'a> {
         }
         if !left_out.is_empty() {
             let list = super::error::clip(&left_out.join(", "));
-            notes.push(format!("Properties that are no number of every point, or too many, were left out: {list}."));
+            notes.push(Note::left_out(format!(
+                "Properties that are no number of every point, or too many, were left out: {list}."
+            )));
         }
         columns
     }

@@ -2,8 +2,25 @@
 
 use glam::DVec2;
 
+use super::Note;
 use super::error::FormatError;
 use crate::pattern::{Domain, mean_nearest_distance};
+
+/// A domain that was found from points.
+#[derive(Debug)]
+pub(super) struct Guess {
+    pub(super) domain: Domain,
+    /// Others that were possible, with a word for each.
+    pub(super) choices: Vec<(&'static str, Domain)>,
+    /// What a person should know of it.
+    pub(super) notes: Vec<Note>,
+}
+
+impl Guess {
+    pub(super) fn of(positions: &[DVec2]) -> Result<Self, FormatError> {
+        Ok(Self { domain: guess_domain(positions)?, choices: Vec::new(), notes: Vec::new() })
+    }
+}
 
 /// The unit square when all points lie in it, else the bounding box grown on every side by half the mean distance
 /// between nearest neighbours: that much room the points at the border share with neighbours that were cut off.

@@ -14,7 +14,7 @@ use serde_json::{Map, Value};
 
 use super::declaration::Declared;
 use super::error::{FormatError, clip, place, places};
-use super::guess::guess_domain;
+use super::guess::Guess;
 use super::table::{Row, RowPlace, Table};
 use super::{FileFormat, ReadOptions, Reading, geojson, project};
 use crate::pattern::{Boundary, Domain, PatternError, PointPattern, RawPattern};
@@ -81,16 +81,22 @@ fn own(text: &str, options: &ReadOptions) -> Result<Reading, FormatError> {
     // From the text, not from the values: so a wrong one has a line and a column.
     let mut raw: RawPattern = serde_json::from_str(text).map_err(|error| located(&error))?;
     let is_domain_declared = options.domain.or(raw.domain).is_some();
+    let (mut domains, mut notes) = (Vec::new(), Vec::new());
     if raw.domain.is_none() {
         if raw.positions.is_empty() {
             return Err(FormatError::NoPoints);
         }
         let positions: Vec<DVec2> = raw.positions.iter().copied().map(DVec2::from).collect();
-        raw.domain = Some(options.domain.map_or_else(|| guess_domain(&positions), Ok)?);
+        raw.domain = options.domain;
+        if raw.domain.is_none() {
+            let guess = Guess::of(&positions)?;
+            (raw.domain, domains, notes) = (Some(guess.domain), guess.choices, guess.notes);
+        }
     }
     let pattern = PointPattern::try_from(raw).and_then(|pattern| options.apply(pattern));
     let mut reading = Reading::new(FileFormat::Json, pattern.map_err(|error| misfit(text, &[], &error))?);
     reading.is_domain_declared = is_domain_declared;
+    (reading.domains, reading.notes) = (domains, notes);
     Ok(reading)
 }
 

@@ -57,6 +57,7 @@ use serde_json::{Map, Value};
 use thiserror::Error;
 
 use self::points::{PLACES, Precision, Sheet, VALUES};
+use super::Note;
 use super::declaration::number_text;
 use super::error::clip;
 use crate::gallery;
@@ -163,7 +164,7 @@ pub struct Link {
     /// Parameters that differ from the preset's as it suits the exemplar, under their names in files.
     pub overrides: Map<String, Value>,
     /// What was moved into its range, in sentences; nothing in a link that is yet to be written.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
 }
 
 impl Link {
@@ -383,19 +384,25 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
         match parameter.nearest(&value) {
             Some(allowed) => {
                 if allowed.as_f64() != value.as_f64() {
-                    notes.push(format!("'{name}' was {}, which is out of its range; it is {allowed} now.", clip(text)));
+                    notes.push(Note::changed(format!(
+                        "'{name}' was {}, which is out of its range; it is {allowed} now.",
+                        clip(text)
+                    )));
                 }
                 overrides.insert(name.to_owned(), allowed);
             }
             None => {
-                notes.push(format!("'{name}' was {:?}, which it can't be; the preset's value is used.", clip(text)))
+                notes.push(Note::left_out(format!(
+                    "'{name}' was {:?}, which it can't be; the preset's value is used.",
+                    clip(text)
+                )));
             }
         }
     }
     let edition = get("presets").map_or(FIRST_EDITION, |text| text.parse().unwrap_or(u32::MAX));
     let present = method.definition().edition();
     if edition > present {
-        notes.push("The link was made with later presets; those of this program are used.".to_owned());
+        notes.push(Note::changed("The link was made with later presets; those of this program are used."));
     } else if edition < present {
         let pattern = exemplar.pattern().ok_or(LinkError::Points("there is no exemplar"))?;
         for (name, value) in method.definition().values_before(edition, &preset, &pattern) {
@@ -405,7 +412,8 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
     let mut link = Link { method, exemplar, preset, overrides, notes };
     // Numbers that depend on each other: what had to be raised is a difference from the preset too.
     for (name, old, value) in link.raised()? {
-        link.notes.push(format!("'{name}' was {old}, which is too small for the others; it is {value} now."));
+        link.notes
+            .push(Note::changed(format!("'{name}' was {old}, which is too small for the others; it is {value} now.")));
         link.overrides.insert(name, value);
     }
     Ok(link)

@@ -42,7 +42,9 @@ mod glyph;
 mod guess;
 mod json;
 pub mod link;
+mod note;
 mod npy;
+mod origin;
 mod outline;
 mod picture;
 #[cfg(not(target_arch = "wasm32"))]
@@ -59,11 +61,14 @@ mod svg_points;
 mod table;
 mod whitespace;
 
-pub use delimited::{write_csv, write_tsv};
+pub use delimited::{write_csv, write_csv_like, write_tsv};
 pub use error::{FormatError, Place};
+pub use geojson::write_geojson;
 pub use glyph::{Glyph, GlyphError, Polygon};
 pub use json::write_json;
+pub use note::{Note, NoteKind};
 pub use npy::write_npy;
+pub use origin::{Origin, Projection};
 pub use outline::{MAX_PATH_LENGTH, MAX_PATH_SEGMENTS, Outline, OutlineError};
 pub use picture::{BlobOptions, Blobs, Ink, Picture, find_blobs};
 #[cfg(not(target_arch = "wasm32"))]
@@ -74,7 +79,9 @@ pub use project::{Project, write_project};
 pub use report::{ReportError, write_comparison_report, write_report};
 pub use svg::{SvgStyle, write_svg};
 
-use crate::pattern::{Boundary, Domain, PatternError, PointPattern};
+use serde::{Deserialize, Serialize};
+
+use crate::pattern::{Boundary, Domain, PatternError, PointPattern, Window};
 
 /// Most bytes of a file. The largest pattern with eight attributes takes about 5 MB.
 pub const MAX_BYTES: usize = 20_000_000;
@@ -82,12 +89,71 @@ pub const MAX_BYTES: usize = 20_000_000;
 pub const MAX_LINE_LENGTH: usize = 10_000;
 
 /// What the caller knows better than the file.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// The rectangle, instead of what the file declares or its points suggest.
     pub domain: Option<Domain>,
     /// The boundary, instead of what the file declares.
     pub boundary: Option<Boundary>,
+    /// Which columns of a table, members of records or properties of GeoJSON hold what, instead of what their names suggest.
+    pub columns: ColumnChoice,
+    /// Takes degrees of longitude and latitude as they are, instead of projecting them to metres.
+    pub keeps_degrees: bool,
+}
+
+/// Which columns hold what, each told by its name, or by its number from 1 where no column is called so.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ColumnChoice {
+    /// The column of x.
+    pub x: Option<String>,
+    /// The column of y.
+    pub y: Option<String>,
+    /// The column of classes; empty for none.
+    pub class: Option<String>,
+    /// The columns that become attributes, each with the attribute's name, as in (`radius`, `crown_m`); all others are left
+    /// out. `None` takes what there is.
+    pub attributes: Option<Vec<(String, String)>>,
+}
+
+impl ColumnChoice {
+    /// Whether anything is chosen.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// A column of a table, a member of records or a property of GeoJSON, as a person chooses among them.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Column {
+    /// What it is called, or its number from 1.
+    pub name: String,
+    /// What it was taken for.
+    pub role: ColumnRole,
+    /// Its first values as they were written, at most three, each cut to 40 characters.
+    pub examples: Vec<String>,
+    /// Whether every value that is there is a number.
+    pub is_numeric: bool,
+}
+
+/// What a column was taken for.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "kind", content = "name")]
+pub enum ColumnRole {
+    /// Positions along x.
+    X,
+    /// Positions along y.
+    Y,
+    /// Both, as in `POINT (1 2)`.
+    Place,
+    /// Classes.
+    Class,
+    /// The attribute of this name.
+    Attribute(String),
+    /// Nothing: it was left out.
+    LeftOut,
 }
 
 impl ReadOptions {
@@ -155,15 +221,33 @@ pub struct Reading {
     pub pattern: PointPattern,
     /// Whether the file or the caller told the domain; otherwise it was found from the points.
     pub is_domain_declared: bool,
-    /// What was left out or changed, in sentences.
-    pub notes: Vec<String>,
+    /// Other rectangles that the points may have been cut from, with a word for each; none where the domain was declared.
+    pub domains: Vec<(&'static str, Domain)>,
+    /// The outline within the rectangle that the points were cut from, where the file has one.
+    pub window: Option<Window>,
+    /// What there was to choose from, of a table, records or GeoJSON.
+    pub columns: Vec<Column>,
+    /// How the file named and placed things.
+    pub origin: Origin,
+    /// What was left out or changed.
+    pub notes: Vec<Note>,
     /// What else a project holds.
     pub project: Option<Project>,
 }
 
 impl Reading {
     fn new(format: FileFormat, pattern: PointPattern) -> Self {
-        Self { format, pattern, is_domain_declared: false, notes: Vec::new(), project: None }
+        Self {
+            format,
+            pattern,
+            is_domain_declared: false,
+            domains: Vec::new(),
+            window: None,
+            columns: Vec::new(),
+            origin: Origin::default(),
+            notes: Vec::new(),
+            project: None,
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use super::error::FormatError;
 use super::style::RADIUS_ATTRIBUTE;
-use super::{FileFormat, ReadOptions, Reading};
+use super::{FileFormat, Note, ReadOptions, Reading};
 use crate::pattern::{Attribute, Boundary, Domain, MAX_POINTS, PointPattern};
 
 /// Most pixels of a picture: 4096².
@@ -132,8 +132,8 @@ pub fn find_blobs(picture: &Picture, options: &BlobOptions, read: &ReadOptions) 
     reading.is_domain_declared = true;
     match blobs.len() - kept.len() {
         0 => {}
-        1 => reading.notes.push("One blob was too small or too large.".to_owned()),
-        others => reading.notes.push(format!("{others} blobs were too small or too large.")),
+        1 => reading.notes.push(Note::left_out("One blob was too small or too large.")),
+        others => reading.notes.push(Note::left_out(format!("{others} blobs were too small or too large."))),
     }
     Ok(Blobs { reading, threshold, ink })
 }

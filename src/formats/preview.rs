@@ -1,7 +1,7 @@
 //! What a person sees of a file before its points are used.
 
-use super::Reading;
-use crate::pattern::{Attribute, Boundary, PointPattern};
+use super::{Column, Note, Origin, Reading};
+use crate::pattern::{Attribute, Boundary, Domain, PointPattern};
 
 /// Counts, ranges and whatever looks odd.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +20,14 @@ pub struct Preview {
     pub boundary: Boundary,
     /// Mean distance to the nearest neighbour in the pattern's own unit, when there is one.
     pub spacing: Option<f64>,
-    /// What was left out, changed or looks odd, in sentences.
-    pub notes: Vec<String>,
+    /// Other rectangles that the points may have been cut from: a word, lower and upper corner.
+    pub domains: Vec<(&'static str, [f64; 4])>,
+    /// What there was to choose from, of a table, records or GeoJSON.
+    pub columns: Vec<Column>,
+    /// How the file named and placed things.
+    pub origin: Origin,
+    /// What was left out, changed or looks odd.
+    pub notes: Vec<Note>,
 }
 
 /// One class.
@@ -50,6 +56,9 @@ impl Preview {
     pub fn of(reading: &Reading) -> Self {
         let mut preview = Self::of_pattern(&reading.pattern);
         preview.is_domain_declared = reading.is_domain_declared;
+        preview.domains = reading.domains.iter().map(|&(name, domain)| (name, corners(domain))).collect();
+        preview.columns = reading.columns.clone();
+        preview.origin = reading.origin.clone();
         let odd = std::mem::take(&mut preview.notes);
         preview.notes = reading.notes.iter().cloned().chain(odd).collect();
         preview
@@ -63,19 +72,26 @@ impl Preview {
             counts[usize::from(class)] += 1;
         }
         let classes = pattern.class_names().iter().zip(counts);
-        let (min, max) = (pattern.domain().min(), pattern.domain().max());
         let spacing = pattern.mean_spacing().map(|spacing| spacing * pattern.domain().exemplar_unit());
         Self {
             points: pattern.len(),
             classes: classes.map(|(name, count)| ClassPreview { name: name.clone(), count }).collect(),
             attributes: pattern.attributes().iter().map(range_of).collect(),
-            domain: [min.x, min.y, max.x, max.y],
+            domain: corners(pattern.domain()),
             is_domain_declared: true,
             boundary: pattern.boundary(),
             spacing,
+            domains: Vec::new(),
+            columns: Vec::new(),
+            origin: Origin::default(),
             notes: oddities(pattern, spacing),
         }
     }
+}
+
+fn corners(domain: Domain) -> [f64; 4] {
+    let (min, max) = (domain.min(), domain.max());
+    [min.x, min.y, max.x, max.y]
 }
 
 fn range_of(attribute: &Attribute) -> AttributePreview {
@@ -84,7 +100,7 @@ fn range_of(attribute: &Attribute) -> AttributePreview {
 }
 
 /// Few points, and points on top of each other: both are allowed, and seldom meant.
-fn oddities(pattern: &PointPattern, spacing: Option<f64>) -> Vec<String> {
+fn oddities(pattern: &PointPattern, spacing: Option<f64>) -> Vec<Note> {
     /// Below this many points the statistics are those of a few accidents.
     const FEW: usize = 16;
     let mut notes = Vec::new();
@@ -94,13 +110,13 @@ fn oddities(pattern: &PointPattern, spacing: Option<f64>) -> Vec<String> {
     places.dedup();
     match pattern.len() - places.len() {
         0 => {}
-        1 => notes.push("One point lies exactly on another.".to_owned()),
-        doubled => notes.push(format!("{doubled} points lie exactly on others.")),
+        1 => notes.push(Note::odd("One point lies exactly on another.")),
+        doubled => notes.push(Note::odd(format!("{doubled} points lie exactly on others."))),
     }
     if spacing.is_none() {
-        notes.push("There are no two points at different places, so there is no arrangement to learn.".to_owned());
+        notes.push(Note::odd("There are no two points at different places, so there is no arrangement to learn."));
     } else if pattern.len() < FEW {
-        notes.push(format!("There are only {} points; a few dozen say more.", pattern.len()));
+        notes.push(Note::odd(format!("There are only {} points; a few dozen say more.", pattern.len())));
     }
     notes
 }

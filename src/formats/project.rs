@@ -13,7 +13,7 @@ use serde_json::{Map, Value, json};
 
 use super::error::clip;
 use super::json::{layout, layout_at, located, member_place, misfit};
-use super::{FileFormat, FormatError, ReadOptions, Reading};
+use super::{FileFormat, FormatError, Note, Origin, ReadOptions, Reading};
 use crate::methods::Method;
 use crate::pattern::{PointPattern, RawPattern};
 
@@ -33,6 +33,8 @@ pub struct Project {
     pub preset: String,
     /// Parameters that differ from it, under their names in files, in their ranges.
     pub overrides: Map<String, Value>,
+    /// How the exemplar's file named and placed things.
+    pub origin: Origin,
     /// The output as it stood.
     pub output: Option<PointPattern>,
     /// The run as it stood: what [`Run::state`](crate::run::Run::state) gave.
@@ -86,11 +88,15 @@ pub(super) fn read(text: &str, mut object: Map<String, Value>, options: &ReadOpt
             match description.parameter(name).and_then(|parameter| parameter.nearest(value)) {
                 Some(allowed) => {
                     if allowed.as_f64() != value.as_f64() {
-                        notes.push(format!("'{name}' was {value}, which is out of its range; it is {allowed} now."));
+                        notes.push(Note::changed(format!(
+                            "'{name}' was {value}, which is out of its range; it is {allowed} now."
+                        )));
                     }
                     overrides.insert(name.clone(), allowed);
                 }
-                None => notes.push(format!("There is no parameter '{}' with such a value.", clip(name))),
+                None => {
+                    notes.push(Note::left_out(format!("There is no parameter '{}' with such a value.", clip(name))));
+                }
             }
         }
     }
@@ -98,7 +104,11 @@ pub(super) fn read(text: &str, mut object: Map<String, Value>, options: &ReadOpt
     let mut reading = Reading::new(FileFormat::Project, pattern);
     reading.is_domain_declared = true;
     reading.notes = notes;
-    reading.project = Some(Project { title, method, preset, overrides, output, state });
+    // A member of a stranger's file: what it can't be, it is not.
+    let origin: Origin =
+        object.remove("origin").and_then(|value| serde_json::from_value(value).ok()).unwrap_or_default();
+    reading.origin = origin.clone();
+    reading.project = Some(Project { title, method, preset, overrides, origin, output, state });
     Ok(reading)
 }
 
@@ -128,7 +138,7 @@ pub fn write_project(exemplar: &PointPattern, project: &Project) -> Result<Strin
     let output = project.output.as_ref().map(value).transpose()?;
     let whole = json!({
         MARK: VERSION, "title": project.title, "method": project.method, "preset": project.preset, "overrides": project.overrides,
-        "exemplar": value(exemplar)?, "output": output, "run": run,
+        "exemplar": value(exemplar)?, "origin": project.origin, "output": output, "run": run,
     });
     Ok(whole.to_string() + "\n")
 }

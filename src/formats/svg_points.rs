@@ -13,11 +13,11 @@ use glam::{DAffine2, DMat2, DVec2};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::error::{FormatError, Place, clip, place};
-use super::guess::guess_domain;
+use super::guess::Guess;
 use super::style::RADIUS_ATTRIBUTE;
 use super::style_sheet::{StyleSheet, Styles};
 use super::svg::GLYPH;
-use super::{FileFormat, ReadOptions, Reading};
+use super::{FileFormat, Note, ReadOptions, Reading};
 use crate::pattern::{Attribute, Boundary, Domain, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PointPattern};
 
 /// Most nodes of the document, text included.
@@ -361,35 +361,41 @@ impl<'a> Reader<'a> {
             self.found.retain(inside(page));
             match all - self.found.len() {
                 0 => {}
-                1 => notes.push("One circle outside the picture was left out.".to_owned()),
-                outside => notes.push(format!("{outside} circles outside the picture were left out.")),
+                1 => notes.push(Note::left_out("One circle outside the picture was left out.")),
+                outside => notes.push(Note::left_out(format!("{outside} circles outside the picture were left out."))),
             }
         }
         match self.others {
             0 => {}
-            1 => notes.push("One shape that is no circle was left out.".to_owned()),
-            others => notes.push(format!("{others} shapes that are no circles were left out.")),
+            1 => notes.push(Note::left_out("One shape that is no circle was left out.")),
+            others => notes.push(Note::left_out(format!("{others} shapes that are no circles were left out."))),
         }
         if self.degenerate > 0 {
-            notes.push(format!("{} circles without a size were left out.", self.degenerate));
+            notes.push(Note::left_out(format!("{} circles without a size were left out.", self.degenerate)));
         }
         match self.sheet.left_out {
             0 => {}
-            1 => notes.push(
-                "One rule of its style sheets is more than elements, ids and classes, and was left out.".to_owned(),
-            ),
-            rules => notes.push(format!(
-                "{rules} rules of its style sheets are more than elements, ids and classes, and were left out."
+            1 => notes.push(Note::left_out(
+                "One rule of its style sheets is more than elements, ids and classes, and was left out.",
             )),
+            rules => notes.push(Note::left_out(format!(
+                "{rules} rules of its style sheets are more than elements, ids and classes, and were left out."
+            ))),
         }
         if self.found.is_empty() {
             return self.refuse(root, &format!("it shows no circles or ellipses, but {} other shapes", self.others));
         }
         let positions: Vec<DVec2> = self.found.iter().map(|found| found.position).collect();
         let is_domain_declared = options.domain.or(domain).is_some();
+        let mut choices = Vec::new();
         let domain = match options.domain.or(domain) {
             Some(domain) => domain,
-            None => page_or_points(canvas, &positions)?,
+            None => {
+                let guess = page_or_points(canvas, &positions)?;
+                notes.extend(guess.notes);
+                choices = guess.choices;
+                guess.domain
+            }
         };
         if let Some(found) = self.found.iter().find(|found| !domain.contains(found.position)) {
             let position = self.document.text_pos_at(found.at);
@@ -403,12 +409,13 @@ impl<'a> Reader<'a> {
         let pattern = PointPattern::new(domain, positions)?.with_boundary(options.boundary.unwrap_or(boundary));
         let mut reading = Reading::new(FileFormat::Svg, self.dress(pattern, &mut notes)?);
         reading.is_domain_declared = is_domain_declared;
+        reading.domains = choices;
         reading.notes = notes;
         Ok(reading)
     }
 
     /// Classes and radii.
-    fn dress(&self, mut pattern: PointPattern, notes: &mut Vec<String>) -> Result<PointPattern, FormatError> {
+    fn dress(&self, mut pattern: PointPattern, notes: &mut Vec<Note>) -> Result<PointPattern, FormatError> {
         let mut names: Vec<String> = Vec::new();
         let mut classes = Vec::with_capacity(self.found.len());
         for found in &self.found {
@@ -424,7 +431,9 @@ impl<'a> Reader<'a> {
             }
         }
         if names.len() > MAX_CLASSES {
-            notes.push(format!("There are more than {MAX_CLASSES} colours, so all points are of one class."));
+            notes.push(Note::left_out(format!(
+                "There are more than {MAX_CLASSES} colours, so all points are of one class."
+            )));
         } else if names.len() > 1 || names.first().is_some_and(|name| !name.starts_with('#')) {
             pattern = pattern.with_classes(classes, names)?;
         }
@@ -472,13 +481,15 @@ impl<'a> Reader<'a> {
 
 /// The whole page where the points fill at least half of it, else what the points suggest: circles in the corner of a
 /// sheet of paper are no pattern with a large hole.
-fn page_or_points(canvas: &Canvas, positions: &[DVec2]) -> Result<Domain, FormatError> {
-    let guessed = guess_domain(positions);
+fn page_or_points(canvas: &Canvas, positions: &[DVec2]) -> Result<Guess, FormatError> {
+    let guessed = Guess::of(positions);
     if canvas.is_declared
         && let Ok(page) = Domain::new(canvas.min, canvas.size)
-        && guessed.as_ref().map_or(true, |domain| *domain == Domain::UNIT || 2.0 * domain.area() >= page.area())
+        && guessed
+            .as_ref()
+            .map_or(true, |guess| guess.domain == Domain::UNIT || 2.0 * guess.domain.area() >= page.area())
     {
-        return Ok(page);
+        return Ok(Guess { domain: page, choices: Vec::new(), notes: Vec::new() });
     }
     guessed
 }

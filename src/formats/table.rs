@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use super::declaration::Declared;
 use super::error::{FormatError, Place, clip};
-use super::guess::guess_domain;
+use super::guess::Guess;
 use super::{FileFormat, ReadOptions, Reading};
 use crate::pattern::{
     Attribute, Boundary, MAX_ATTRIBUTES, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PatternError, PointPattern,
@@ -70,6 +70,10 @@ pub(super) struct Table {
     rows: Vec<Row>,
     /// Known beforehand where the format fixes the columns; read from the header or guessed otherwise.
     pub(super) roles: Option<Vec<Role>>,
+    /// The names of the columns, where the format tells them in another way than by a first row.
+    pub(super) header: Option<Vec<String>>,
+    /// What the first columns hold, whatever they are called: x and y of GeoJSON.
+    pub(super) fixed: Vec<Role>,
     /// `0,5` means one half.
     pub(super) decimal_comma: bool,
     /// Every number is divided by this.
@@ -78,7 +82,15 @@ pub(super) struct Table {
 
 impl Table {
     pub(super) fn new(declared: Declared) -> Self {
-        Self { declared, rows: Vec::new(), roles: None, decimal_comma: false, divisor: 1.0 }
+        Self {
+            declared,
+            rows: Vec::new(),
+            roles: None,
+            header: None,
+            fixed: Vec::new(),
+            decimal_comma: false,
+            divisor: 1.0,
+        }
     }
 
     /// Adds a row; blank ones are left out.
@@ -147,10 +159,11 @@ impl Table {
         }
 
         let declared = options.domain.or(self.declared.domain);
-        let domain = match declared {
-            Some(domain) => domain,
-            None => guess_domain(&positions)?,
+        let guess = match declared {
+            Some(domain) => Guess { domain, choices: Vec::new(), notes: Vec::new() },
+            None => Guess::of(&positions)?,
         };
+        let domain = guess.domain;
         if let Some(index) = positions.iter().position(|&point| !domain.contains(point)) {
             return Err(FormatError::Outside {
                 place: self.rows[index].place.cell(0),
@@ -169,6 +182,8 @@ impl Table {
         }
         let mut reading = Reading::new(format, pattern);
         reading.is_domain_declared = declared.is_some();
+        reading.domains = guess.choices;
+        reading.notes.extend(guess.notes);
         Ok(reading)
     }
 

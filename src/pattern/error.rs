@@ -16,6 +16,12 @@ pub enum PatternError {
         /// What is wrong with it.
         reason: &'static str,
     },
+    /// An outline that is none.
+    #[error("the window can't be used: {reason}")]
+    Window {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// No rectangle where there must be one.
     #[error("the pattern has no 'domain'")]
     NoDomain,

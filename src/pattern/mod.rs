@@ -6,6 +6,7 @@ mod domain;
 mod error;
 mod field;
 mod point_pattern;
+mod window;
 
 pub(crate) use domain::keep_inside;
 pub use domain::{Boundary, Domain};
@@ -16,3 +17,4 @@ pub use point_pattern::{
     ORIENTATION_ATTRIBUTE, PointPattern, RADIUS_ATTRIBUTE, SCALE_ATTRIBUTE,
 };
 pub(crate) use point_pattern::{RawPattern, check_name, mean_nearest_distance};
+pub use window::{MAX_CORNERS, Window};

@@ -37,7 +37,7 @@
 /** @typedef {{ type: 'link-written', fragment: string, pattern: PatternData, exact: boolean, note: string | null }} LinkWrittenResponse */
 /**
  * @typedef {{ type: 'link-read', exemplar: LinkExemplar, method: string, preset: string, overrides: Parameters, parameters: Parameters,
- *   notes: string[], preview: Preview, cost: Cost }} LinkReadResponse
+ *   notes: Note[], preview: Preview, cost: Cost }} LinkReadResponse
  */
 /** @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null }} FilesErrorResponse */
 /**
@@ -46,12 +46,20 @@
  */
 
 // What they hold.
+/** What was left out, changed or looks odd, in a sentence or two. @typedef {{ kind: 'left-out' | 'changed' | 'odd', text: string }} Note */
+/**
+ * A column of a table as a person chooses among them.
+ * @typedef {{ name: string, role: { kind: 'x' | 'y' | 'place' | 'class' | 'left-out' } | { kind: 'attribute', name: string },
+ *   examples: string[], isNumeric: boolean }} Column
+ */
+/** How the exemplar's file named and placed things; only handed back. @typedef {Record<string, unknown>} Origin */
 /**
  * `format` as a person calls it; `domain` is x0, y0, x1, y1; `declared` says whether the file tells the domain or it was found from
  * the points; `notes` are sentences about what was left out or looks odd.
  * @typedef {{ format: string, points: number, classes: { name: string, count: number }[],
  *   attributes: { name: string, min: number, max: number }[], domain: [number, number, number, number], declared: boolean,
- *   boundary: 'open' | 'periodic', spacing: number | null, notes: string[] }} Preview
+ *   boundary: 'open' | 'periodic', spacing: number | null, domains: { name: string, domain: [number, number, number, number] }[], columns: Column[], origin: Origin,
+ *   notes: Note[] }} Preview
  */
 /**
  * A saved session; the pattern beside it is the exemplar. `state` is for the engine's `resume`.

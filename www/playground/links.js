@@ -62,7 +62,7 @@ export class Links {
     settings.apply(asked.method, asked.preset, asked.overrides);
     if (play && asked.cost.autoRun) {
       await running.begin(true);
-      if (asked.notes.length > 0) notices.notify(asked.notes.join(' '));
+      if (asked.notes.length > 0) notices.notify(asked.notes.map(({ text }) => text).join(' '));
       return;
     }
     running.wait(shown, asked);

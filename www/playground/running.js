@@ -129,7 +129,7 @@ export class Running {
       points: cost.points,
     });
     const words = `This link asks for ${points(cost.points)}; on the processor that takes about ${duration(cost.seconds)}.`;
-    this.#notices.notify([...notes, words].join(' '), { label: 'Run', act: () => void this.begin(true) });
+    this.#notices.notify([...notes.map(({ text }) => text), words].join(' '), { label: 'Run', act: () => void this.begin(true) });
     this.#notices.announce(words);
   }
 

@@ -89,8 +89,11 @@ pub(crate) fn run(arguments: &AnalyzeArguments) -> Result<(), Failure> {
     if stdin(&arguments.pattern) && arguments.output.as_deref().is_some_and(stdin) {
         return Err(Failure::Usage("A and B can't both be standard input".to_owned()));
     }
-    let options =
-        |domain, boundary: Option<BoundaryArgument>| ReadOptions { domain, boundary: boundary.map(Into::into) };
+    let options = |domain, boundary: Option<BoundaryArgument>| ReadOptions {
+        domain,
+        boundary: boundary.map(Into::into),
+        ..ReadOptions::default()
+    };
     let pattern = files::read_pattern(&arguments.pattern, &options(arguments.domain, arguments.boundary))?;
     let name = title(&arguments.pattern);
     match &arguments.output {

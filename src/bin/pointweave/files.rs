@@ -211,7 +211,11 @@ pub(crate) fn read_pattern(input: &Path, options: &ReadOptions) -> Result<PointP
             });
         };
         // Through a format, so that the one rule about domains holds here too.
-        let options = ReadOptions { domain: Some(domain), boundary: options.boundary.or(Some(pattern.boundary())) };
+        let options = ReadOptions {
+            domain: Some(domain),
+            boundary: options.boundary.or(Some(pattern.boundary())),
+            ..ReadOptions::default()
+        };
         return formats::read(formats::write_json(&pattern).as_bytes(), None, &options)
             .map_err(|error| Failure::Run(format!("'{}' can't be used: {error}", input.display())));
     }

@@ -76,7 +76,11 @@ pub(crate) fn run(arguments: &LinkArguments) -> Result<(), Failure> {
 }
 
 fn encode(arguments: &EncodeArguments) -> Result<(), Failure> {
-    let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
+    let options = ReadOptions {
+        domain: arguments.domain,
+        boundary: arguments.exemplar_boundary.map(Into::into),
+        ..ReadOptions::default()
+    };
     let pattern = files::read_pattern(&arguments.input, &options)?;
     let Chosen { method, preset, overrides } = arguments.chosen.chosen()?;
     let parameters = method.parameters(&preset, &pattern, &overrides);

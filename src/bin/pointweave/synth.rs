@@ -153,7 +153,11 @@ fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<Box<dyn Run>, 
             })
             .map_err(Failure::Run);
     }
-    let options = ReadOptions { domain: arguments.domain, boundary: arguments.exemplar_boundary.map(Into::into) };
+    let options = ReadOptions {
+        domain: arguments.domain,
+        boundary: arguments.exemplar_boundary.map(Into::into),
+        ..ReadOptions::default()
+    };
     // Without --resume the parser makes sure that there is an input.
     let input = arguments.input.as_deref().unwrap_or(Path::new("-"));
     // Checked before the input is read: a wrong command line is told first.

@@ -15,16 +15,16 @@ use super::protocol::Place;
 use crate::formats::link::{Link, LinkError, LinkExemplar, Written, read_link, write_link};
 use crate::formats::style::{Look, Palette};
 use crate::formats::{
-    self, BlobOptions, FormatError, Glyph, GlyphError, Ink, Picture, Preview, Project, ReadOptions, Reading, SvgStyle,
-    find_blobs, write_project,
+    self, BlobOptions, FormatError, Glyph, GlyphError, Ink, Origin, Picture, Preview, Project, ReadOptions, Reading,
+    SvgStyle, find_blobs, write_project,
 };
 use crate::methods::Method;
 use crate::pattern::{Domain, PatternError, PointPattern};
 use crate::run::{Cost, ParameterError};
 
 pub use protocol::{
-    AttributeView, BlobOptionsView, ClassView, CostView, FilesRequest, FilesResponse, InkView, LinkExemplarView,
-    PreviewView, ProjectView, ReadOptionsView, WrittenFormat,
+    AttributeView, BlobOptionsView, ClassView, CostView, DomainView, FilesRequest, FilesResponse, InkView,
+    LinkExemplarView, PreviewView, ProjectView, ReadOptionsView, WrittenFormat,
 };
 
 /// Longest estimated run, in seconds, that a link may start by itself.
@@ -53,17 +53,17 @@ pub fn respond(request: FilesRequest) -> FilesResponse {
     let response = match request {
         FilesRequest::Read { name, bytes, options } => read(name, &bytes, options),
         FilesRequest::Blobs { width, height, pixels, options } => blobs(width, height, &pixels, options),
-        FilesRequest::Write { format, pattern, title, tile, glyphs, palette } => {
-            look(&glyphs, &palette, tile).map_err(Refusal::from).and_then(|look| write(format, *pattern, title, look))
-        }
+        FilesRequest::Write { format, pattern, title, tile, glyphs, palette, origin } => look(&glyphs, &palette, tile)
+            .map_err(Refusal::from)
+            .and_then(|look| write(format, *pattern, title, look, &origin)),
         FilesRequest::Glyph { name } => Glyph::from_name(&name)
             .map(|glyph| FilesResponse::Glyph { outline: glyph.path_data() })
             .map_err(Refusal::from),
-        FilesRequest::WriteProject { title, method, preset, overrides, exemplar, output, state } => {
+        FilesRequest::WriteProject { title, method, preset, overrides, exemplar, origin, output, state } => {
             let output = output.map(|output| PointPattern::try_from(*output)).transpose();
-            output
-                .map_err(Refusal::from)
-                .and_then(|output| project(*exemplar, Project { title, method, preset, overrides, output, state }))
+            output.map_err(Refusal::from).and_then(|output| {
+                project(*exemplar, Project { title, method, preset, overrides, origin, output, state })
+            })
         }
         FilesRequest::WriteLink { exemplar, method, preset, overrides } => link(exemplar, method, preset, overrides),
         FilesRequest::ReadLink { fragment } => open_link(&fragment),
@@ -82,7 +82,12 @@ pub fn respond(request: FilesRequest) -> FilesResponse {
 
 fn read(file: String, bytes: &[u8], options: ReadOptionsView) -> Result<FilesResponse, Refusal> {
     let domain = options.domain.map(domain).transpose()?;
-    let options = ReadOptions { domain, boundary: options.boundary };
+    let options = ReadOptions {
+        domain,
+        boundary: options.boundary,
+        columns: options.columns,
+        keeps_degrees: options.keeps_degrees,
+    };
     match formats::open(bytes, Some(&file), &options) {
         Ok(mut reading) => {
             let project = reading.project.take().map(|project| ProjectView {
@@ -121,6 +126,13 @@ fn preview(format: &str, preview: Preview) -> PreviewView {
         declared: preview.is_domain_declared,
         boundary: preview.boundary,
         spacing: preview.spacing,
+        domains: preview
+            .domains
+            .into_iter()
+            .map(|(name, domain)| DomainView { name: name.to_owned(), domain })
+            .collect(),
+        columns: preview.columns,
+        origin: preview.origin,
         notes: preview.notes,
     }
 }
@@ -157,12 +169,21 @@ fn look(glyphs: &Map<String, Value>, palette: &str, tile: bool) -> Result<Look, 
     Ok(if tile { Look { frame: None, margin: 0.0, ..look } } else { look })
 }
 
-fn write(format: WrittenFormat, pattern: PatternData, title: String, look: Look) -> Result<FilesResponse, Refusal> {
+fn write(
+    format: WrittenFormat,
+    pattern: PatternData,
+    title: String,
+    look: Look,
+    origin: &Origin,
+) -> Result<FilesResponse, Refusal> {
     let pattern = PointPattern::try_from(pattern)?;
     let (bytes, mime, extension) = match format {
-        WrittenFormat::Csv => (formats::write_csv(&pattern).into_bytes(), "text/csv", ".csv"),
+        WrittenFormat::Csv => (formats::write_csv_like(&pattern, origin).into_bytes(), "text/csv", ".csv"),
         WrittenFormat::Tsv => (formats::write_tsv(&pattern).into_bytes(), "text/tab-separated-values", ".tsv"),
         WrittenFormat::Json => (formats::write_json(&pattern).into_bytes(), "application/json", ".json"),
+        WrittenFormat::GeoJson => {
+            (formats::write_geojson(&pattern, origin).into_bytes(), "application/geo+json", ".geojson")
+        }
         WrittenFormat::Npy => (formats::write_npy(&pattern), "application/octet-stream", ".npy"),
         WrittenFormat::Svg => {
             let style = SvgStyle { title, look, ..SvgStyle::default() };

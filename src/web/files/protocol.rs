@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::formats::{Column, ColumnChoice, Note, Origin};
 use crate::methods::Method;
 use crate::pattern::Boundary;
 use crate::web::pattern_data::PatternData;
@@ -54,6 +55,9 @@ pub enum FilesRequest {
         /// In a drawing, the colours.
         #[serde(default)]
         palette: String,
+        /// How the exemplar's file named and placed things.
+        #[serde(default)]
+        origin: Origin,
     },
     /// The outline of a glyph, or what is wrong with its path. Answered by [`FilesResponse::Glyph`].
     Glyph {
@@ -74,6 +78,9 @@ pub enum FilesRequest {
         overrides: Map<String, Value>,
         /// What is learnt from.
         exemplar: Box<PatternData>,
+        /// How the exemplar's file named and placed things.
+        #[serde(default)]
+        origin: Origin,
         /// What has come out so far.
         #[serde(default)]
         output: Option<Box<PatternData>>,
@@ -102,13 +109,17 @@ pub enum FilesRequest {
 }
 
 /// [`ReadOptions`](crate::formats::ReadOptions) as the page writes them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(default)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
 pub struct ReadOptionsView {
     /// Lower and upper corner.
     pub domain: Option<[f64; 4]>,
     /// What lies beyond the border.
     pub boundary: Option<Boundary>,
+    /// Which columns hold what.
+    pub columns: ColumnChoice,
+    /// Takes degrees as they are.
+    pub keeps_degrees: bool,
 }
 
 /// [`BlobOptions`](crate::formats::BlobOptions) as the page writes them.
@@ -152,6 +163,9 @@ pub enum WrittenFormat {
     Svg,
     /// A NumPy array.
     Npy,
+    /// Points in the coordinates and words of the exemplar's file.
+    #[serde(rename = "geojson")]
+    GeoJson,
 }
 
 /// What a link carries an exemplar as: a name of the gallery, or points.
@@ -232,7 +246,7 @@ pub enum FilesResponse {
         /// All parameters.
         parameters: Map<String, Value>,
         /// What was moved into its range, in sentences.
-        notes: Vec<String>,
+        notes: Vec<Note>,
         /// What to show of the exemplar.
         preview: PreviewView,
         /// What a run would take.
@@ -267,8 +281,23 @@ pub struct PreviewView {
     pub boundary: Boundary,
     /// Mean distance to the nearest neighbour, in the pattern's own unit.
     pub spacing: Option<f64>,
-    /// What was left out, changed or looks odd, in sentences.
-    pub notes: Vec<String>,
+    /// Other rectangles that the points may have been cut from.
+    pub domains: Vec<DomainView>,
+    /// What there was to choose from, of a table, records or GeoJSON.
+    pub columns: Vec<Column>,
+    /// How the file named and placed things: belongs to what is written of the result.
+    pub origin: Origin,
+    /// What was left out, changed or looks odd.
+    pub notes: Vec<Note>,
+}
+
+/// A rectangle that the points may have been cut from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DomainView {
+    /// A word for it.
+    pub name: String,
+    /// Lower and upper corner.
+    pub domain: [f64; 4],
 }
 
 /// One class.

@@ -3,6 +3,7 @@
 use serde_json::json;
 
 use super::*;
+use crate::formats::Note;
 use crate::web::protocol::tests::tags;
 
 fn ask(request: Value) -> Value {
@@ -40,8 +41,11 @@ fn a_file_comes_with_its_preview_and_goes_out_in_every_format() {
     assert_eq!(preview["attributes"], json!([{ "name": "height", "min": 3.0, "max": 5.0 }]));
     assert_eq!((&preview["domain"], &preview["declared"]), (&json!([0.0, 0.0, 4.0, 2.0]), &json!(true)));
     assert_eq!(preview["spacing"], json!(1.0));
-    let notes: Vec<String> = serde_json::from_value(preview["notes"].clone()).unwrap();
-    assert!(notes[0].contains("One point lies exactly on another") && notes[1].contains("only 3 points"), "{notes:?}");
+    let notes: Vec<Note> = serde_json::from_value(preview["notes"].clone()).unwrap();
+    assert!(
+        notes[0].text.contains("One point lies exactly on another") && notes[1].text.contains("only 3 points"),
+        "{notes:?}"
+    );
 
     for (format, start) in
         [("csv", "# domain 0 0 4 2"), ("tsv", "x\ty\tclass"), ("json", "{"), ("svg", "<svg"), ("npy", "\u{fffd}NUMPY")]

@@ -361,7 +361,7 @@ export class Import {
       /** @type {HTMLInputElement} */ (radio).checked = /** @type {HTMLInputElement} */ (radio).value === boundary;
     }
     const list = element('import-notes');
-    const said = [remark, ...notes].filter(Boolean);
+    const said = [remark, ...notes.map(({ text }) => text)].filter(Boolean);
     list.hidden = said.length === 0;
     list.replaceChildren(...said.map((note) => Object.assign(document.createElement('li'), { textContent: note })));
     element('import-canvas').setAttribute('aria-label', `${points(total)} in a rectangle from ${x0}, ${y0} to ${x1}, ${y1}`);
