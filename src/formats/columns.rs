@@ -204,7 +204,7 @@ impl Chooser<'_> {
     }
 
     fn list_of(&self, columns: impl Iterator<Item = usize>) -> String {
-        list(&columns.map(|column| self.called(column)).collect::<Vec<_>>())
+        list(&columns.map(|column| clip(&self.called(column))).collect::<Vec<_>>())
     }
 
     fn place(&self, column: usize) -> super::Place {
@@ -450,7 +450,7 @@ impl Chooser<'_> {
                 // A typing error among numbers is worth a place.
                 match &survey.first_word {
                     Some((place, word)) if survey.numbers > survey.words => {
-                        gaps.push(format!("'{}' ({word:?} {})", self.called(column), place.name()));
+                        gaps.push(format!("'{}' ({word:?} {})", clip(&self.called(column)), place.name()));
                     }
                     _ => text.push(column),
                 }
@@ -468,8 +468,8 @@ impl Chooser<'_> {
                 continue;
             }
             if let Some(place) = survey.first_missing {
-                let count = super::note::counted(survey.missing, "no value", "values missing");
-                gaps.push(format!("'{}' ({count}, first {})", self.called(column), place.name()));
+                let count = super::note::counted(survey.missing, "none", "values missing, the first");
+                gaps.push(format!("'{}' ({count} {})", clip(&self.called(column)), place.name()));
                 continue;
             }
             if self.attributes() >= MAX_ATTRIBUTES {
@@ -615,7 +615,7 @@ impl Chooser<'_> {
 
 /// Names for a sentence, not too many of them.
 fn list(names: &[String]) -> String {
-    let shown: Vec<String> = names.iter().take(NAMED).map(|name| clip(name)).collect();
+    let shown = &names[..names.len().min(NAMED)];
     let more = if names.len() > NAMED { format!(" and {} more", names.len() - NAMED) } else { String::new() };
     shown.join(", ") + &more
 }

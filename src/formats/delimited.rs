@@ -69,12 +69,13 @@ pub(super) fn read(text: &str, delimiter: u8, first_line: usize) -> Result<Table
     let mut cursor = Cursor { text, offset: 0, line: first_line };
     let mut record = csv::StringRecord::new();
     loop {
+        // Where the last record ended: comments and blank lines may follow, at the end of the file too.
+        let start = reader.position().byte() as usize;
         let more = reader.read_record(&mut record).map_err(|error| FormatError::Syntax {
             line: cursor.line,
             column: 1,
             message: error.to_string(),
         })?;
-        let start = if more { record.position().map_or(0, |position| position.byte() as usize) } else { text.len() };
         let line = cursor.skip_to_record(start, &mut table)?;
         if !more {
             table.comma = comma(&table, delimiter);

@@ -89,11 +89,13 @@ impl Table {
                 header.combine(&self.rows[at - 1]);
             }
             if at > 0 {
-                let what = counted(at, "The row", "rows");
-                let (first, were) = (self.rows[0].place.name(), if at == 1 { "was" } else { "were" });
-                self.notes.push(Note::left_out(format!(
-                    "{what} before the header, from the one {first} on, {were} left out."
-                )));
+                let text = match at {
+                    1 => format!("The row {}, before the header, was left out.", self.rows[0].place.name()),
+                    _ => {
+                        format!("{at} rows before the header, the first {}, were left out.", self.rows[0].place.name())
+                    }
+                };
+                self.notes.push(Note::left_out(text));
             }
             self.rows.drain(..=at);
             return Some(header);

@@ -492,7 +492,9 @@ impl Table {
         kept.iter().enumerate().for_each(|(class, &index)| of[index] = class);
         let gathered: usize = (0..counts.len()).filter(|&i| of[i] == MAX_CLASSES - 1).map(|i| counts[i].1).sum();
         self.notes.push(Note::changed(format!(
-            "There are {} classes, and a pattern may have {MAX_CLASSES}: the {} most frequent ones stay, and the others, {}              altogether, became the class '{OTHER_CLASS}'. Put classes together in the file if others matter.",
+            "There are {} classes, and a pattern may have {MAX_CLASSES}: the {} most frequent ones stay, and the \
+             others, {} altogether, \
+             became the class '{OTHER_CLASS}'. Put classes together in the file if others matter.",
             counts.len(),
             MAX_CLASSES - 1,
             counted(gathered, "one point", "points"),
