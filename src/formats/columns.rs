@@ -204,7 +204,11 @@ impl Chooser<'_> {
     }
 
     fn list_of(&self, columns: impl Iterator<Item = usize>) -> String {
-        list(&columns.map(|column| clip(&self.called(column))).collect::<Vec<_>>())
+        let name = |column: usize| match self.names[column].trim() {
+            "" => format!("column {}", column + 1),
+            name => clip(name),
+        };
+        list(&columns.map(name).collect::<Vec<_>>())
     }
 
     fn place(&self, column: usize) -> super::Place {
