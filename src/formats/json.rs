@@ -6,7 +6,8 @@
 //! [[0.5, 0.5], [0.25, 0.75]]
 //! {"points": [{"x": 0.5, "y": 0.5, "class": "oak", "radius": 0.1}], "domain": [0, 0, 1, 1], "boundary": "open"}
 //! ```
-//! Projects and GeoJSON are JSON too: see `project.rs` and `geojson.rs`.
+//! One value a line (NDJSON), and values with record separators between them (RFC 7464), are the list of these values.
+//! Projects and GeoJSON are JSON too: see `project.rs` and `geojson.rs`; lists of points are read by `records.rs`.
 
 use glam::DVec2;
 use serde::Deserialize as _;
@@ -15,8 +16,7 @@ use serde_json::{Map, Value};
 use super::declaration::Declared;
 use super::error::{FormatError, clip, place, places};
 use super::guess::Guess;
-use super::table::{Row, RowPlace, Table};
-use super::{FileFormat, ReadOptions, Reading, geojson, project};
+use super::{FileFormat, ReadOptions, Reading, geojson, project, records};
 use crate::pattern::{Boundary, Domain, PatternError, PointPattern, RawPattern};
 
 /// Most commas: every value but one costs a comma, and the largest pattern needs a tenth of this. It bounds the
@@ -24,6 +24,8 @@ use crate::pattern::{Boundary, Domain, PatternError, PointPattern, RawPattern};
 const MAX_COMMAS: usize = 3_000_000;
 /// Most objects: each takes hundreds of bytes, and a feature of GeoJSON is three of them.
 const MAX_OBJECTS: usize = 200_000;
+/// Stands in front of every value of a sequence (RFC 7464).
+pub(super) const RECORD_SEPARATOR: char = '\u{1e}';
 
 /// Reads any of the JSON layouts.
 pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatError> {
@@ -33,24 +35,45 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
             return Err(layout_at(Some(place(text, byte)), message));
         }
     }
-    match serde_json::from_str(text).map_err(|error| located(&error))? {
-        Value::Array(points) => {
-            let places = entry_places(text, &[]);
-            points_table(&points, &places, Declared::default())?.into_reading(FileFormat::Json, options)
+    let separated;
+    let text = if text.contains(RECORD_SEPARATOR) {
+        // As long as it was, so that places stay what they are.
+        separated = text.replace(RECORD_SEPARATOR, " ");
+        &separated
+    } else {
+        text
+    };
+    let mut values = values(text)?;
+    let first = match values.as_mut_slice() {
+        [(_, only)] => std::mem::take(only),
+        _ => {
+            let places = places(text, values.iter().map(|&(byte, _)| byte));
+            let values: Vec<Value> = values.into_iter().map(|(_, value)| value).collect();
+            return list(text, &values, &places, options);
         }
+    };
+    drop(values);
+    match first {
+        Value::Array(points) => list(text, &points, &entry_places(text, &[]), options),
         Value::Object(object) if project::is_project(&object) => project::read(text, object, options),
         Value::Object(object) if object.contains_key("positions") => {
             // It is read once more, and need not be there twice.
             drop(object);
             own(text, options)
         }
-        Value::Object(object) if geojson::is_geojson(&object) => geojson::read(text, &object, options),
+        Value::Object(object) if geojson::is_geojson(&object) => {
+            let whole = Value::Object(object);
+            geojson::read(text, std::slice::from_ref(&whole), &[member_place(text, &[]).unwrap_or((1, 1))], options)
+        }
         Value::Object(object) => match object.get("points") {
             Some(Value::Array(points)) => {
                 let places = entry_places(text, &["points"]);
-                points_table(points, &places, declared(text, &object)?)?.into_reading(FileFormat::Json, options)
+                records::table(points, &places, declared(text, &object)?)?.into_reading(FileFormat::Json, options)
             }
             Some(other) => Err(layout(text, &["points"], format!("'points' is {}, but must be a list", kind(other)))),
+            None if object.get("type").and_then(Value::as_str) == Some("Topology") => {
+                Err(layout(text, &[], "it is TopoJSON; save it as GeoJSON".to_owned()))
+            }
             None => {
                 let keys: Vec<_> = object.keys().map(|key| format!("'{key}'")).collect();
                 let found = clip(&keys.join(", "));
@@ -62,6 +85,32 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
             Err(layout(text, &[], format!("it is {found}, but must be a list of points or an object with 'points'")))
         }
     }
+}
+
+/// The values of a text one after the other, each with its first byte.
+fn values(text: &str) -> Result<Vec<(usize, Value)>, FormatError> {
+    let mut stream = serde_json::Deserializer::from_str(text).into_iter::<Value>();
+    let mut values = Vec::new();
+    loop {
+        let from = stream.byte_offset();
+        let Some(value) = stream.next() else { return Ok(values) };
+        let rest = text.get(from..).unwrap_or_default();
+        values.push((from + rest.len() - rest.trim_start().len(), value.map_err(|error| located(&error))?));
+    }
+}
+
+/// A list of points, or of GeoJSON's objects, with the place of each.
+fn list(
+    text: &str,
+    values: &[Value],
+    places: &[(usize, usize)],
+    options: &ReadOptions,
+) -> Result<Reading, FormatError> {
+    let is_geojson = |value: &Value| value.as_object().is_some_and(geojson::is_geojson);
+    if values.iter().any(is_geojson) {
+        return geojson::read(text, values, places, options);
+    }
+    records::table(values, places, Declared::default())?.into_reading(FileFormat::Json, options)
 }
 
 /// Writes a pattern as JSON that reads back as the same pattern, digit by digit.
@@ -121,76 +170,14 @@ pub(super) fn misfit(text: &str, path: &[&str], error: &PatternError) -> FormatE
     layout_at(at.or_else(|| member_place(text, &path[..path.len() - 1])), error.to_string())
 }
 
-/// `[x, y, …]` or `{"x": …, "y": …, …}`, as rows of the same table that text files give.
-fn points_table(points: &[Value], places: &[(usize, usize)], declared: Declared) -> Result<Table, FormatError> {
-    let mut table = Table::new(declared);
-    let mut keys: Vec<&str> = Vec::new();
-    if let Some(Value::Object(first)) = points.first() {
-        keys = first.keys().map(String::as_str).collect();
-        for name in ["x", "y"] {
-            if !keys.iter().any(|key| key.eq_ignore_ascii_case(name)) {
-                let found = clip(&keys.join(", "));
-                let message = format!("point 1 of the list has no '{name}'; it has {found}");
-                return Err(layout_at(places.first().copied(), message));
-            }
-        }
-        table.push(Row {
-            place: RowPlace::Entry(1, places.first().copied()),
-            cells: keys.iter().map(|key| (*key).to_owned()).collect(),
-        })?;
-    }
-    for (index, point) in points.iter().enumerate() {
-        let at = places.get(index).copied();
-        let place = RowPlace::Entry(index + 1, at);
-        let wrong = |message: String| layout_at(at, format!("point {} of the list {message}", index + 1));
-        let cells: Vec<String> = match point {
-            Value::Array(values) if keys.is_empty() => values.iter().map(cell).collect(),
-            Value::Object(values) if !keys.is_empty() => {
-                if let Some(extra) = values.keys().find(|key| !keys.contains(&key.as_str())) {
-                    return Err(wrong(format!("has '{}', which the first one does not have", clip(extra))));
-                }
-                let value = |key: &&str| {
-                    values
-                        .get(*key)
-                        .map(cell)
-                        .ok_or_else(|| wrong(format!("has no '{}'; the first one has it", clip(key))))
-                };
-                keys.iter().map(value).collect::<Result<_, _>>()?
-            }
-            other => {
-                let wanted =
-                    if keys.is_empty() { "a list [x, y]" } else { "an object with 'x' and 'y' like the first one" };
-                return Err(wrong(format!("is {}, but must be {wanted}", kind(other))));
-            }
-        };
-        table.push(Row::new(place, cells))?;
-    }
-    Ok(table)
-}
-
-/// A JSON value as the text of a cell.
-pub(super) fn cell(value: &Value) -> String {
-    match value {
-        Value::String(text) => text.clone(),
-        // An empty cell, which no column accepts; "null" would pass for the name of a class.
-        Value::Null => String::new(),
-        other => other.to_string(),
-    }
-}
-
 /// `domain` (`[x0, y0, x1, y1]` or our own layout) and `boundary` beside a list of points.
 fn declared(text: &str, object: &Map<String, Value>) -> Result<Declared, FormatError> {
     let mut declared = Declared::default();
     if let Some(value) = object.get("domain") {
-        let domain = match <[f64; 4]>::deserialize(value) {
-            Ok([x0, y0, x1, y1]) => Domain::new(DVec2::new(x0, y0), DVec2::new(x1 - x0, y1 - y0))
-                .map_err(|error| misfit(text, &[], &error))?,
-            Err(_) => Domain::deserialize(value).map_err(|error| {
-                let message = "'domain' must be [x0, y0, x1, y1] or {\"min\": [x, y], \"size\": [w, h]}";
-                layout(text, &["domain"], format!("{message}: {error}"))
-            })?,
-        };
-        declared.domain = Some(domain);
+        declared.domain = Some(domain(value).map_err(|reason| match reason {
+            Ok(error) => misfit(text, &[], &error),
+            Err(message) => layout(text, &["domain"], message),
+        })?);
     }
     if let Some(value) = object.get("boundary") {
         let boundary = Boundary::deserialize(value).map_err(|_| {
@@ -200,6 +187,17 @@ fn declared(text: &str, object: &Map<String, Value>) -> Result<Declared, FormatE
         declared.boundary = Some(boundary);
     }
     Ok(declared)
+}
+
+/// A domain as `[x0, y0, x1, y1]` or in our own layout.
+pub(super) fn domain(value: &Value) -> Result<Domain, Result<PatternError, String>> {
+    match <[f64; 4]>::deserialize(value) {
+        Ok([x0, y0, x1, y1]) => Domain::new(DVec2::new(x0, y0), DVec2::new(x1 - x0, y1 - y0)).map_err(Ok),
+        Err(_) => Domain::deserialize(value).map_err(|error| {
+            let message = "'domain' must be [x0, y0, x1, y1] or {\"min\": [x, y], \"size\": [w, h]}";
+            Err(format!("{message}: {error}"))
+        }),
+    }
 }
 
 pub(super) fn kind(value: &Value) -> &'static str {

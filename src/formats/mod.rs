@@ -39,7 +39,9 @@ mod columns;
 mod declaration;
 mod delimited;
 mod error;
+mod geo_area;
 mod geojson;
+mod geojson_out;
 mod glyph;
 mod guess;
 mod header;
@@ -55,6 +57,7 @@ mod picture;
 pub(crate) mod png;
 mod preview;
 mod project;
+mod records;
 mod reference;
 #[cfg(not(target_arch = "wasm32"))]
 mod report;
@@ -68,7 +71,7 @@ mod whitespace;
 
 pub use delimited::{write_csv, write_csv_like, write_tsv};
 pub use error::{FormatError, Place};
-pub use geojson::write_geojson;
+pub use geojson_out::write_geojson;
 pub use glyph::{Glyph, GlyphError, Polygon};
 pub use json::write_json;
 pub use note::{Note, NoteKind};
@@ -303,7 +306,8 @@ fn open_text(text: &str, file_name: Option<&str>, options: &ReadOptions) -> Resu
     if text.trim().is_empty() {
         return Err(FormatError::NoPoints);
     }
-    if text.trim_start().starts_with(['{', '[']) || named_json {
+    let begins_json = ['{', '[', json::RECORD_SEPARATOR];
+    if text.trim_start().starts_with(begins_json) || named_json {
         return json::read(text, options);
     }
     if text.trim_start().starts_with('<') {

@@ -140,6 +140,10 @@ pub(super) struct Table {
     pub(super) divisor: f64,
     /// Whether places are degrees of longitude and latitude: known of GeoJSON, read from names otherwise.
     pub(super) is_in_degrees: bool,
+    /// The projection that a file of ours tells; otherwise it is about the middle of the places.
+    pub(super) projection: Option<Projection>,
+    /// How far beyond the border of the declared domain rounding may have put a point, as a share of the domain's longer side.
+    pub(super) rounding: f64,
     pub(super) notes: Vec<Note>,
 }
 
@@ -156,6 +160,8 @@ impl Table {
             comma: Comma::None,
             divisor: 1.0,
             is_in_degrees: false,
+            projection: None,
+            rounding: 0.0,
             notes: Vec::new(),
         }
     }
@@ -257,6 +263,13 @@ impl Table {
             None => Guess::of(&positions)?,
         };
         let domain = guess.domain;
+        let slack = self.rounding * domain.size().max_element();
+        for point in &mut positions {
+            let nearest = point.clamp(domain.min(), domain.max());
+            if (nearest - *point).abs().max_element() <= slack {
+                *point = nearest;
+            }
+        }
         if let Some(index) = positions.iter().position(|&point| !domain.contains(point)) {
             return Err(FormatError::Outside {
                 place: self.rows[index].place.cell(0),
@@ -423,7 +436,7 @@ impl Table {
     fn projection(&mut self, positions: &[DVec2], options: &ReadOptions) -> Option<Projection> {
         let (projection, note) = Projection::decide(positions, options.keeps_degrees);
         self.notes.extend(note);
-        projection
+        projection.map(|own| self.projection.unwrap_or(own))
     }
 
     /// Class index of every row; new names are added to `names` as they appear, up to the cap.
