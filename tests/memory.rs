@@ -53,9 +53,13 @@ fn filled(start: &str, piece: &str, end: &str, length: usize) -> Vec<u8> {
 }
 
 fn npy(shape: &str) -> Vec<u8> {
+    npy_of(&[0; 64], shape)
+}
+
+fn npy_of(data: &[u8], shape: &str) -> Vec<u8> {
     let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
     let length = (header.len() as u16).to_le_bytes();
-    [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), &[0; 64]].concat()
+    [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes(), data].concat()
 }
 
 /// A PNG that claims to be this large and holds nothing.
@@ -108,6 +112,25 @@ fn no_file_and_no_link_takes_more_than_its_share() {
         ("most positions", filled("{\"positions\":[", "[0,1],", "[0,1]]}", 8_999_000)),
         ("most objects", filled("[", "{\"x\":1},", "{}]", 1_590_000)),
         ("most features", filled("{\"type\":\"FeatureCollection\",\"features\":[", "{\"\":{}},", "0]}", 790_000)),
+        ("lines of objects", filled("", "{\"x\":1}\n", "", long)),
+        ("lines of points", filled("", "[0,1]\n", "", 8_999_000)),
+        ("separators", filled("", "\u{1e}", "", long)),
+        ("members", {
+            let records = (0..19_000).map(|i| format!("{{\"x\":1,\"y\":{i},\"m{i}\":1}}\n"));
+            records.collect::<String>().into_bytes()
+        }),
+        ("polygons", {
+            let polygon = "{\"type\":\"Polygon\",\"coordinates\":[[[-9,-9],[9,-9],[9,9],[-9,9]]]}\n";
+            filled("", polygon, "{\"type\":\"Point\",\"coordinates\":[1,2]}", long)
+        }),
+        ("corners", {
+            let points =
+                (0..9000).map(|i| format!("{{\"type\":\"Point\",\"coordinates\":[{i},1]}}\n")).collect::<String>();
+            let ring = "[0,0],[9000,0],[9000,9],[0,9],".repeat(2400);
+            let polygon = format!("{{\"type\":\"Polygon\",\"coordinates\":[[{}[0,0]]]}}\n", ring);
+            (points + &polygon.repeat(40)).into_bytes()
+        }),
+        ("deep lists", filled("{\"type\":\"Polygon\",\"coordinates\":", "[", "", 9_000)),
         ("elements", filled("<svg>", "<g/>", "</svg>", long)),
         ("circles", filled("<svg>", "<circle r='1'/>", "</svg>", long)),
         ("texts", filled("<svg>", "a<a/>", "</svg>", long)),
@@ -131,6 +154,21 @@ fn no_file_and_no_link_takes_more_than_its_share() {
         println!("{name:<16}{:>10} bytes{used:>12} of memory", bytes.len());
         assert!(used < 1_000_000, "{name}: {used} bytes of memory");
     }
+    // Archives of what deflates best.
+    let zeros = npy_of(&vec![0; 60_000_000], "(3750000, 2)");
+    for (name, bytes) in [
+        ("archive", decoders::zip(&[("points.npy", &zeros)], true)),
+        ("archive of many", decoders::zip(&[("x.npy", &zeros[..30_000_000]), ("y.npy", &zeros[..30_000_000])], true)),
+        ("archive of names", {
+            let entries: Vec<(&str, &[u8])> = vec![("a.npy", b""); 60_000];
+            decoders::zip(&entries, false)
+        }),
+    ] {
+        let used = peak(|| drop(open(&bytes, None, &ReadOptions::default())));
+        println!("{name:<16}{:>10} bytes{used:>12} of memory", bytes.len());
+        assert!(used < 100_000_000, "{name}: {used} bytes of memory");
+    }
+    drop(zeros);
     // The longest link, of what deflate makes the most of.
     let zeros = miniz_oxide::deflate::compress_to_vec(&vec![0; 20_000_000], 9);
     for (name, points) in

@@ -3,12 +3,12 @@
 //! # What can be read
 //! | format | told by |
 //! |---|---|
-//! | NumPy array ([`write_npy`]'s layout, N × 2 and more) | its first bytes |
+//! | NumPy array ([`write_npy`]'s layout, N × 2 and more), or an archive of arrays (`.npz`) | its first bytes |
 //! | PNG (dark or light blobs become points, see [`find_blobs`]) | its first bytes; natively only, a page decodes by itself |
 //! | SVG (circles and ellipses become points) | the first character is `<`, and there is an `<svg` |
 //! | project ([`Project`]) | JSON with a member `pointweave-project` |
-//! | GeoJSON points | JSON with a `type` that GeoJSON knows |
-//! | JSON ([`write_json`]'s layout, `[[x, y], …]`, `{"points": […]}`) | the first character is `{` or `[`, or the name ends in `.json` |
+//! | GeoJSON points, in one object or in lines | JSON with a `type` that GeoJSON knows |
+//! | JSON ([`write_json`]'s layout, `[[x, y], …]`, `{"points": […]}`) | the first character is `{` or `[`, or the name ends in `.json`; one value a line too |
 //! | the reference implementation's text | whole numbers `class x y …`, with a first line `K id…` or classes 1000, 2000, … |
 //! | TSV, semicolon-separated text, CSV | the first line of data holds a tab, else a semicolon, else a comma |
 //! | whitespace-separated text | everything else |
@@ -34,6 +34,7 @@
 //! # classes: oak,"silver birch"       the order of the classes, quoted as in CSV
 //! ```
 
+mod blobs;
 mod column_names;
 mod columns;
 mod declaration;
@@ -46,9 +47,12 @@ mod glyph;
 mod guess;
 mod header;
 mod json;
+mod light;
 pub mod link;
 mod note;
 mod npy;
+mod npy_header;
+mod npz;
 mod number;
 mod origin;
 mod outline;
@@ -281,6 +285,9 @@ pub fn open(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
     if bytes.starts_with(npy::MAGIC) {
         return npy::read(bytes, options);
     }
+    if bytes.starts_with(b"PK\x03\x04") {
+        return npz::read(bytes, options);
+    }
     if let Some(kind) = picture_kind(bytes) {
         #[cfg(not(target_arch = "wasm32"))]
         if bytes.starts_with(png::MAGIC) {
@@ -351,10 +358,7 @@ fn picture_kind(bytes: &[u8]) -> Option<&'static str> {
 
 /// Names well-known files that are not patterns, instead of complaining about their first byte.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
-    let known: [(&[u8], &str); 3] = [
-        (b"%PDF", "a PDF document"),
-        (b"PK\x03\x04", "a ZIP archive or a spreadsheet (save the sheet as CSV)"),
-        (b"\x1f\x8b", "a gzip archive"),
-    ];
+    let known: [(&[u8], &str); 2] =
+        [(b"%PDF", "a PDF document"), (b"\x1f\x8b", "a gzip archive (take the file out first)")];
     known.iter().find(|(start, _)| bytes.starts_with(start)).map(|&(_, kind)| kind)
 }

@@ -1,148 +1,245 @@
-//! NumPy's `.npy`, versions 1 to 3: arrays of shape N × 2 and more. The columns are x, y, then a class or an attribute,
-//! then attributes, by the rule for text without a header.
+//! NumPy's `.npy`, versions 1 to 3: arrays of shape N × 2 and more, lying or standing; of complex numbers, which are
+//! x + iy; and of named fields. Columns without names are x, y, then a class or an attribute, then attributes, by the rule for
+//! text without a header.
 
-use super::declaration::{Declared, number_text};
+use super::column_names;
+use super::declaration::Declared;
 use super::error::FormatError;
+use super::npy_header::{Descr, Header, Kind};
 use super::table::{Row, RowPlace, Table};
-use super::{FileFormat, ReadOptions, Reading};
-use crate::pattern::{MAX_POINTS, PointPattern};
+use super::{FileFormat, Note, ReadOptions, Reading};
+use crate::pattern::{MAX_ATTRIBUTES, MAX_POINTS, PointPattern};
 
 /// What every file begins with.
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
-/// Longest header: NumPy itself writes 118 bytes.
-const MAX_HEADER: usize = 10_000;
 /// Most columns, skipped ones included.
 const MAX_COLUMNS: usize = 64;
+/// Most columns that [`write_npy`] makes: places, classes and attributes. An array with more columns and few rows lies on its
+/// side.
+const MOST_WRITTEN: usize = 3 + MAX_ATTRIBUTES;
+/// A row of more than two numbers a point is one only where it is so many times as long as there are rows.
+const SLENDER: usize = 4;
 
-fn refuse<T>(byte: usize, reason: impl Into<String>) -> Result<T, FormatError> {
+pub(super) fn refuse<T>(byte: usize, reason: impl Into<String>) -> Result<T, FormatError> {
     Err(FormatError::Array { reason: reason.into(), byte })
 }
 
-/// The type of the numbers.
-struct Kind {
-    /// `f`, `i`, `u` or `b`.
-    letter: u8,
-    /// Bytes of a number.
-    size: usize,
-    big_endian: bool,
+/// The numbers of one column: at byte `offset` of the first row.
+#[derive(Debug)]
+struct Cells {
+    name: String,
+    kind: Kind,
+    offset: usize,
 }
 
-impl Kind {
-    fn parse(descr: &str, at: usize) -> Result<Self, FormatError> {
-        let bytes = descr.as_bytes();
-        let (big_endian, rest) = match bytes {
-            [b'>', rest @ ..] => (true, rest),
-            [b'<' | b'=' | b'|', rest @ ..] => (false, rest),
-            rest => (false, rest),
-        };
-        match *rest {
-            [letter @ b'f', size @ (b'4' | b'8')]
-            | [letter @ (b'i' | b'u'), size @ (b'1' | b'2' | b'4' | b'8')]
-            | [letter @ b'b', size @ b'1'] => Ok(Self { letter, size: usize::from(size - b'0'), big_endian }),
-            _ => refuse(
-                at,
-                format!(
-                    "its numbers are of type {:?}; real numbers (f4, f8) and whole ones (i1 to u8) can be read",
-                    super::error::clip(descr)
-                ),
-            ),
-        }
+/// An array as rows and columns, wherever their numbers stand.
+#[derive(Debug)]
+pub(super) struct Array<'a> {
+    data: &'a [u8],
+    pub(super) rows: usize,
+    /// Bytes from one row to the next.
+    stride: usize,
+    columns: Vec<Cells>,
+    has_names: bool,
+    /// The sides it has in the file, those of 1 left out.
+    sides: usize,
+    note: Option<Note>,
+}
+
+impl<'a> Array<'a> {
+    /// Nothing is reserved for what the header claims before it is compared with the bytes there are.
+    pub(super) fn parse(bytes: &'a [u8]) -> Result<Self, FormatError> {
+        Self::parse_any(bytes, false)
     }
 
-    /// The number as it stands in a cell of a table.
-    fn cell(&self, bytes: &[u8]) -> String {
-        let mut little = [0_u8; 8];
-        for (i, &byte) in bytes.iter().enumerate() {
-            little[if self.big_endian { bytes.len() - 1 - i } else { i }] = byte;
+    fn parse_any(bytes: &'a [u8], may_be_text: bool) -> Result<Self, FormatError> {
+        let Header { descr, is_fortran, shape, shape_at, end } = Header::parse(bytes)?;
+        let data = bytes.get(end..).unwrap_or_default();
+        let count = shape.iter().try_fold(1_usize, |count, &side| count.checked_mul(side));
+        let words = shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        if count == Some(0) {
+            return Err(FormatError::NoPoints);
         }
-        let bits = u64::from_le_bytes(little);
-        match (self.letter, self.size) {
-            (b'f', 4) => number_text(f64::from(f32::from_bits(bits as u32))),
-            (b'f', _) => number_text(f64::from_bits(bits)),
-            (b'i', size) => {
-                let unused = 64 - 8 * size as u32;
-                ((bits << unused) as i64 >> unused).to_string()
+        // Of a side of 1 the array is one thing thick.
+        let mut sides = shape.clone();
+        while sides.len() > 2
+            && let Some(thin) = sides.iter().position(|&side| side == 1)
+        {
+            sides.remove(thin);
+        }
+        if may_be_text || matches!(descr, Descr::Fields(_)) {
+            sides.retain(|&side| side != 1);
+            if sides.is_empty() {
+                sides.push(1);
             }
-            _ => bits.to_string(),
+        }
+        let (rows, across) = match sides.as_slice() {
+            &[rows] => (rows, 1),
+            &[rows, columns] => (rows, columns),
+            _ => {
+                return refuse(shape_at, format!("its shape is ({words}); N rows of x, y and perhaps more are needed"));
+            }
+        };
+        let largest = rows.max(across);
+        if largest > MAX_POINTS {
+            return refuse(shape_at, format!("it has {largest} rows; at most {MAX_POINTS} points are allowed"));
+        }
+        let size = descr.size();
+        if count.and_then(|count| count.checked_mul(size)) != Some(data.len()) {
+            let reason =
+                format!("numbers in a shape of ({words}), {size} bytes each, do not take {} bytes", data.len());
+            return refuse(end, reason);
+        }
+        let sides = sides.len();
+        let mut array = Self { data, rows, stride: size, columns: Vec::new(), has_names: false, sides, note: None };
+        match descr {
+            Descr::Fields(fields) => {
+                if sides > 1 {
+                    return refuse(shape_at, format!("its shape is ({words}); records must be in one row"));
+                }
+                // The first field of two numbers is the place, where no other says that it is.
+                let axes = ["x", "y", "z"];
+                let mut is_place = !fields.iter().any(|field| axes.contains(&field.name.to_ascii_lowercase().as_str()));
+                for field in fields.into_iter().filter(|field| !field.is_filling()) {
+                    let is_pair = field.kind.is_complex() || (2..=3).contains(&field.count);
+                    let name = if is_pair && std::mem::take(&mut is_place) { "" } else { &field.name };
+                    array.push_field(name, field.kind, field.offset, field.count);
+                }
+                // NumPy's own names tell nothing.
+                let is_numbered =
+                    |cells: &Cells| cells.name.strip_prefix('f').is_some_and(|rest| rest.parse::<u8>().is_ok());
+                array.has_names = !array.columns.iter().all(is_numbered);
+            }
+            Descr::Plain(kind) if kind.is_complex() && (rows == 1 || across == 1) => {
+                array.rows = rows.max(across);
+                let half = kind.half();
+                array.columns = [0, half.size].map(|offset| Cells { name: String::new(), kind: half, offset }).into();
+            }
+            Descr::Plain(kind) if kind.is_complex() => {
+                let reason = format!("its shape is ({words}); complex numbers must be in one row, x + iy each");
+                return refuse(shape_at, reason);
+            }
+            Descr::Plain(kind) if kind.is_text() && !may_be_text => {
+                return refuse(shape_at, "its entries are words, and no numbers");
+            }
+            Descr::Plain(kind) => {
+                let is_lying = across > MOST_WRITTEN
+                    && (rows == 2 || rows > 2 && rows <= MOST_WRITTEN && across >= SLENDER * rows);
+                let step = |is_first: bool| match (is_first, is_fortran) {
+                    (true, false) => size * across,
+                    (true, true) | (false, false) => size,
+                    (false, true) => size * rows,
+                };
+                let columns = if is_lying { rows } else { across };
+                (array.rows, array.stride) = if is_lying { (across, step(false)) } else { (rows, step(true)) };
+                let apart = step(is_lying);
+                if columns <= MAX_COLUMNS {
+                    array.columns =
+                        (0..columns).map(|at| Cells { name: String::new(), kind, offset: at * apart }).collect();
+                }
+                if is_lying {
+                    let all = if rows == 2 { "x and y" } else { "x, y and more" };
+                    array.note = Some(Note::changed(format!(
+                        "The array has {rows} rows and {across} columns, so its rows were taken for {all} of {across} points."
+                    )));
+                }
+                if array.sides == 2 && !(2..=MAX_COLUMNS).contains(&columns) {
+                    let most = MAX_COLUMNS - 2;
+                    return refuse(
+                        shape_at,
+                        format!("it has {columns} columns; x, y and at most {most} more are needed"),
+                    );
+                }
+            }
+        }
+        if array.columns.len() > MAX_COLUMNS {
+            let count = array.columns.len();
+            return refuse(
+                shape_at,
+                format!("it has {count} columns; x, y and at most {} more are needed", MAX_COLUMNS - 2),
+            );
+        }
+        Ok(array)
+    }
+
+    fn push_field(&mut self, name: &str, kind: Kind, offset: usize, count: usize) {
+        if kind.is_complex() && count == 1 {
+            let half = kind.half();
+            return self.push_field(name, half, offset, 2);
+        }
+        for at in 0..count.min(MAX_COLUMNS + 1) {
+            let name = match (count, ["x", "y", "z"].get(at)) {
+                (1, _) => name.to_owned(),
+                (2 | 3, Some(axis)) if name.is_empty() => (*axis).to_owned(),
+                (2 | 3, Some(axis)) => format!("{name}.{axis}"),
+                _ => format!("{name}.{at}"),
+            };
+            self.columns.push(Cells { name, kind, offset: offset + at * kind.size });
         }
     }
-}
 
-/// What follows `'key':` in the header, which begins at byte `start` of the file, up to the header's end; and where.
-fn member<'a>(header: &'a str, start: usize, key: &str) -> Result<(&'a str, usize), FormatError> {
-    let missing = || FormatError::Array { reason: format!("its header has no '{key}'"), byte: start };
-    let at = [format!("'{key}':"), format!("\"{key}\":")].iter().find_map(|k| header.find(k.as_str()));
-    let rest = header.get(at.ok_or_else(missing)? + key.len() + 3..).ok_or_else(missing)?;
-    let rest = rest.trim_start();
-    Ok((rest, start + header.len() - rest.len()))
+    /// Whether it is one row of plain numbers or words.
+    pub(super) fn is_one_row(&self) -> bool {
+        self.columns.len() == 1 && !self.has_names
+    }
+
+    /// Whether it holds places.
+    pub(super) fn has_places(&self) -> bool {
+        match self.has_names {
+            true => column_names::place_columns(&self.names()).is_some(),
+            false => self.columns.len() >= 2,
+        }
+    }
+
+    pub(super) fn names(&self) -> Vec<String> {
+        self.columns.iter().map(|cells| cells.name.clone()).collect()
+    }
+
+    pub(super) fn has_names(&self) -> bool {
+        self.has_names
+    }
+
+    pub(super) fn into_note(self) -> Option<Note> {
+        self.note
+    }
+
+    /// One number or word a row, nothing else.
+    pub(super) fn parse_column(bytes: &'a [u8]) -> Option<Self> {
+        let array = Self::parse_any(bytes, true).ok()?;
+        array.is_one_row().then_some(array)
+    }
+
+    /// The cells of a row.
+    pub(super) fn row(&self, row: usize) -> impl Iterator<Item = String> + '_ {
+        self.columns.iter().map(move |Cells { kind, offset, .. }| {
+            let start = row * self.stride + offset;
+            kind.cell(self.data.get(start..start + kind.size).unwrap_or_default())
+        })
+    }
+
+    pub(super) fn into_reading(self, options: &ReadOptions) -> Result<Reading, FormatError> {
+        let mut table = Table::new(Declared::default());
+        for row in 0..self.rows {
+            table.push(Row::new(RowPlace::Entry(row + 1, None), self.row(row)))?;
+        }
+        if self.has_names {
+            table.header = Some(self.names());
+        }
+        table.notes.extend(self.note);
+        table.into_reading(FileFormat::Npy, options)
+    }
 }
 
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Reading, FormatError> {
-    let short = || FormatError::Array { reason: "it ends within its header".to_owned(), byte: bytes.len() };
-    let rest = bytes.get(MAGIC.len()..).ok_or_else(short)?;
-    let (length, start) = match *rest {
-        [1, _, a, b, ..] => (usize::from(u16::from_le_bytes([a, b])), 4),
-        [2 | 3, _, a, b, c, d, ..] => (u32::from_le_bytes([a, b, c, d]) as usize, 6),
-        [version, ..] if !(1..=3).contains(&version) => {
-            return refuse(MAGIC.len(), format!("its version is {version}; 1 to 3 can be read"));
-        }
-        _ => return Err(short()),
-    };
-    if length > MAX_HEADER {
-        return refuse(MAGIC.len() + 2, format!("its header has {length} bytes; at most {MAX_HEADER} are allowed"));
+    let array = Array::parse(bytes)?;
+    if array.is_one_row() {
+        let (rows, at) = (array.rows, Header::parse(bytes)?.shape_at);
+        let reason = format!(
+            "its shape is ({rows}), single numbers; N rows of x and y are needed, as numpy.column_stack((x, y)) makes them"
+        );
+        return refuse(at, reason);
     }
-    let header = rest.get(start..start + length).ok_or_else(short)?;
-    let data = &rest[start + length..];
-    let start = MAGIC.len() + start;
-    let header = match std::str::from_utf8(header) {
-        Ok(header) => header,
-        Err(error) => return refuse(start + error.valid_up_to(), "its header is not text"),
-    };
-
-    let (descr, at) = member(header, start, "descr")?;
-    let quoted = descr.strip_prefix(['\'', '"']).and_then(|text| text.split(['\'', '"']).next());
-    let Some(descr) = quoted else { return refuse(at, "it has named fields; save its columns as one plain array") };
-    let kind = Kind::parse(descr, at)?;
-    let fortran = member(header, start, "fortran_order")?.0.starts_with("True");
-    let (text, at) = member(header, start, "shape")?;
-    let [rows, columns] = shape(text, at)?;
-
-    let needed = rows.checked_mul(columns).and_then(|count| count.checked_mul(kind.size));
-    if needed != Some(data.len()) {
-        return refuse(start + length, format!("{rows} × {columns} numbers do not take {} bytes", data.len()));
-    }
-    let mut table = Table::new(Declared::default());
-    for row in 0..rows {
-        let number = |column: usize| {
-            let index = if fortran { column * rows + row } else { row * columns + column };
-            kind.cell(&data[index * kind.size..(index + 1) * kind.size])
-        };
-        table.push(Row::new(RowPlace::Entry(row + 1, None), (0..columns).map(number)))?;
-    }
-    table.into_reading(FileFormat::Npy, options)
-}
-
-/// `(300, 2)`.
-fn shape(text: &str, at: usize) -> Result<[usize; 2], FormatError> {
-    let inner = text.strip_prefix('(').and_then(|text| text.split_once(')')).map_or("", |(inner, _)| inner);
-    let sides: Vec<&str> = inner.split(',').map(str::trim).filter(|side| !side.is_empty()).collect();
-    let [rows, columns] = sides.as_slice() else {
-        let found = super::error::clip(&sides.join(", "));
-        return refuse(at, format!("its shape is ({found}); N rows of x, y and perhaps more are needed"));
-    };
-    let (Ok(rows), Ok(columns)) = (rows.parse(), columns.parse()) else {
-        return refuse(at, format!("its shape is ({}), which are no sizes", super::error::clip(inner)));
-    };
-    if rows == 0 {
-        return Err(FormatError::NoPoints);
-    }
-    if !(2..=MAX_COLUMNS).contains(&columns) {
-        return refuse(at, format!("it has {columns} columns; x, y and at most {} more are needed", MAX_COLUMNS - 2));
-    }
-    if rows > MAX_POINTS {
-        return refuse(at, format!("it has {rows} rows; at most {MAX_POINTS} points are allowed"));
-    }
-    Ok([rows, columns])
+    array.into_reading(options)
 }
 
 /// Writes a pattern as an array of doubles, one row a point: x, y, the class's number when there is more than one class,

@@ -1,11 +1,18 @@
 //! Pictures: dark blobs on light ground, or light ones on dark, become points.
 //!
 //! Pixels on one side of a threshold that touch, also at corners, are one blob; its centroid is a point, and the radius
-//! of a disk of the same area its attribute. y points down, as in the picture and on the page.
+//! of a disk of the same area its attribute. y points down, as in the picture and on the page. What is done beyond that, each
+//! with a note: uneven light is evened out (`light.rs`), marks that only opacity tells are found by it, frames and axes are left
+//! out, and a second kind of fainter or smaller spots is taken too.
+
+use std::borrow::Cow;
 
 use glam::DVec2;
 
+use super::blobs::{Blob, components, dirt, frames, second_kind};
 use super::error::FormatError;
+use super::light::{Light, faint_threshold, histogram, otsu};
+use super::note::counted;
 use super::style::RADIUS_ATTRIBUTE;
 use super::{FileFormat, Note, ReadOptions, Reading};
 use crate::pattern::{Attribute, Boundary, Domain, MAX_POINTS, PointPattern};
@@ -20,6 +27,8 @@ pub struct Picture {
     height: usize,
     /// Brightness from 0 (black) to 255, row by row; what is transparent shows white.
     brightness: Vec<u8>,
+    /// From 0 (opaque) to 255, where at least a quarter of the pixels is rather transparent.
+    transparency: Option<Vec<u8>>,
 }
 
 impl Picture {
@@ -48,7 +57,10 @@ impl Picture {
                 shown as u8
             })
             .collect();
-        Ok(Self { width, height, brightness })
+        let alphas = || rgba.iter().skip(3).step_by(4);
+        let is_transparent = 4 * alphas().filter(|&&alpha| alpha < 128).count() >= count;
+        let transparency = is_transparent.then(|| alphas().map(|alpha| 255 - alpha).collect());
+        Ok(Self { width, height, brightness, transparency })
     }
 }
 
@@ -67,13 +79,15 @@ pub enum Ink {
 /// How points are looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BlobOptions {
-    /// Pixels up to this brightness are dark; Otsu's (1979) when `None`.
+    /// Pixels up to this brightness are dark; Otsu's (1979) when `None`, and then a second kind of fainter spots is looked for
+    /// too. Of a picture whose light was evened out it is the brightness after that, of one that opacity tells the transparency.
     pub threshold: Option<u8>,
     /// Which pixels are points.
     pub ink: Ink,
-    /// Smallest blob in pixels; when `None` those of a quarter of the median area or less are taken for dirt.
+    /// Smallest blob in pixels; when `None` those of a quarter of the median area or less are taken for dirt, unless they are
+    /// a second kind of spots.
     pub min_area: Option<f64>,
-    /// Largest blob in pixels; no limit when `None`.
+    /// Largest blob in pixels; no limit when `None`, and then frames and axes are left out.
     pub max_area: Option<f64>,
 }
 
@@ -86,6 +100,129 @@ pub struct Blobs {
     pub threshold: u8,
     /// Which side of it was taken; never [`Ink::Auto`].
     pub ink: Ink,
+    /// The threshold of a second kind of fainter spots, where they were taken too.
+    pub faint_threshold: Option<u8>,
+    /// Whether uneven light was evened out before.
+    pub is_evened: bool,
+    /// Whether opacity told the marks, and not brightness.
+    pub is_by_opacity: bool,
+}
+
+/// Blobs at a threshold.
+struct Found {
+    threshold: u8,
+    ink: Ink,
+    faint_threshold: Option<u8>,
+    kept: Vec<Blob>,
+    /// Of whatever size.
+    all: usize,
+    /// Left out for their size.
+    sized: usize,
+    smallest: f64,
+    notes: Vec<Note>,
+}
+
+impl Found {
+    fn is_ink(&self, level: u8) -> bool {
+        (level <= self.threshold) == (self.ink == Ink::Dark)
+    }
+
+    fn of(levels: &[u8], [width, height]: [usize; 2], options: &BlobOptions) -> Self {
+        let histogram = histogram(levels);
+        let threshold = options.threshold.unwrap_or_else(|| otsu(&histogram));
+        let dark: usize = histogram[..=usize::from(threshold)].iter().sum();
+        let ink = match options.ink {
+            Ink::Auto if 2 * dark <= levels.len() => Ink::Dark,
+            Ink::Auto => Ink::Light,
+            chosen => chosen,
+        };
+        let mut found = Self {
+            threshold,
+            ink,
+            faint_threshold: None,
+            kept: Vec::new(),
+            all: 0,
+            sized: 0,
+            smallest: 0.0,
+            notes: Vec::new(),
+        };
+        let mut blobs = components(levels, width, |level| (found.is_ink(level), false));
+        found.all = blobs.len();
+        let mut notes = Vec::new();
+        if options.max_area.is_none() {
+            found.leave_out_frames(&mut blobs, [width, height], &mut notes);
+        }
+        found.smallest = options.min_area.unwrap_or_else(|| dirt(&blobs));
+        let largest = options.max_area.unwrap_or(f64::INFINITY);
+        let (mut kept, rest): (Vec<Blob>, Vec<Blob>) =
+            blobs.into_iter().partition(|blob| blob.area >= found.smallest && blob.area <= largest);
+
+        found.sized = rest.len();
+        // Smaller ones, and fainter ones, are dirt unless they are many and alike.
+        let small = if options.min_area.is_none() { rest } else { Vec::new() };
+        let faint_threshold = if options.threshold.is_none() && options.max_area.is_none() && options.min_area.is_none()
+        {
+            faint_threshold(&histogram, threshold, ink == Ink::Dark)
+        } else {
+            None
+        };
+        let faint: Vec<Blob> = faint_threshold.map_or_else(Vec::new, |faint| {
+            let is_faint = |level: u8| if ink == Ink::Dark { level <= faint } else { level >= faint };
+            let all = components(levels, width, |level| (is_faint(level), found.is_ink(level)));
+            all.into_iter().filter(|blob| !blob.has_core).collect()
+        });
+        let before = kept.len();
+        let mut second: Vec<Blob> = small.iter().chain(&faint).cloned().collect();
+        if second_kind(&kept, &second) {
+            found.faint_threshold = faint_threshold.filter(|_| !faint.is_empty());
+            kept.append(&mut second);
+            found.sized = 0;
+        } else if second_kind(&kept, &small) {
+            kept.extend(small.iter().cloned());
+            found.sized = 0;
+        }
+        let added = kept.len() - before;
+        if added > 0 {
+            let at = found.faint_threshold.map_or_else(String::new, |faint| format!(", down to threshold {faint}"));
+            let blobs = counted(added, "One blob is", "blobs are");
+            notes.push(Note::changed(format!(
+                "{blobs} smaller or fainter than the other {before} at threshold {threshold}, but alike, and were taken for points \
+                 too{at}. Set a smallest area to leave them out."
+            )));
+        } else if let Some(at) = faint_threshold.filter(|_| !faint.is_empty() && faint.len() <= 3 * kept.len()) {
+            let spots = counted(faint.len(), "One fainter spot was", "fainter spots were");
+            notes.push(Note::left_out(format!(
+                "{spots} left out at threshold {threshold}. Threshold {at} takes them too, if they are points."
+            )));
+        }
+        found.kept = kept;
+        found.notes = notes;
+        found
+    }
+
+    fn leave_out_frames(&self, blobs: &mut Vec<Blob>, sides: [usize; 2], notes: &mut Vec<Note>) {
+        let are_frames = frames(blobs, sides);
+        let mut marks = are_frames.iter();
+        let all = blobs.clone();
+        blobs.retain(|_| marks.next() == Some(&false));
+        let found: Vec<&Blob> = all.iter().zip(&are_frames).filter(|(_, is)| **is).map(|(blob, _)| blob).collect();
+        if found.is_empty() {
+            return;
+        }
+        let shapes = counted(found.len(), "One shape that is", "shapes that are");
+        let was = if found.len() == 1 { "was" } else { "were" };
+        let they = if found.len() == 1 { "it is a point" } else { "they are points" };
+        notes.push(Note::left_out(format!(
+            "{shapes} long and thin beside the others, a frame, axis or line, {was} left out. Set a largest area if {they}."
+        )));
+        let outside = blobs.iter().filter(|blob| found.iter().all(|frame| !frame.holds(blob.center))).count();
+        if outside > 0 && 2 * outside < blobs.len() {
+            let are = counted(outside, "One blob is", "blobs are");
+            notes.push(Note::odd(format!(
+                "{are} outside the frame or axes. If these are labels, cut the picture along the frame first."
+            )));
+        }
+    }
 }
 
 /// Looks for the points of a picture.
@@ -93,23 +230,34 @@ pub struct Blobs {
 /// # Errors
 /// When there are none, or more than a pattern may hold.
 pub fn find_blobs(picture: &Picture, options: &BlobOptions, read: &ReadOptions) -> Result<Blobs, FormatError> {
-    let histogram = histogram(&picture.brightness);
-    let threshold = options.threshold.unwrap_or_else(|| otsu(&histogram));
-    let dark: usize = histogram[..=usize::from(threshold)].iter().sum();
-    let ink = match options.ink {
-        Ink::Auto if 2 * dark <= picture.brightness.len() => Ink::Dark,
-        Ink::Auto => Ink::Light,
-        chosen => chosen,
+    let sides = [picture.width, picture.height];
+    let light = Light::of(&picture.brightness, sides);
+    let is_evened = light.is_some();
+    let levels = match light {
+        Some(light) => Cow::Owned(light.evened(&picture.brightness, sides)),
+        None => Cow::Borrowed(&picture.brightness),
     };
-    let blobs = components(picture, |brightness| (brightness <= threshold) == (ink == Ink::Dark));
-    let smallest = options.min_area.unwrap_or_else(|| dirt(&blobs));
-    let largest = options.max_area.unwrap_or(f64::INFINITY);
-    let wanted = |blob: &&Blob| blob.area >= smallest && blob.area <= largest;
-    let kept: Vec<&Blob> = blobs.iter().filter(wanted).collect();
+    let mut found = Found::of(&levels, sides, options);
+    let by_opacity = picture
+        .transparency
+        .as_ref()
+        .filter(|_| options.ink != Ink::Light)
+        .map(|levels| Found::of(levels, sides, &BlobOptions { ink: Ink::Dark, ..*options }))
+        // Of marks that brightness tells as well it is the measure.
+        .filter(|other| 10 * other.kept.len() > 11 * found.kept.len());
+    let is_by_opacity = by_opacity.is_some();
+    if let Some(by_opacity) = by_opacity {
+        found = by_opacity;
+    }
+    let Found { threshold, ink, faint_threshold, kept, all, sized, smallest, notes } = found;
     if kept.is_empty() {
         let side = if ink == Ink::Dark { "dark" } else { "light" };
-        let reason = match blobs.len() {
+        let largest = options.max_area.unwrap_or(f64::INFINITY);
+        let reason = match all {
             0 => format!("it has no {side} blobs at threshold {threshold}"),
+            all if smallest <= largest && options.min_area.is_none() && options.max_area.is_none() => {
+                format!("its {all} {side} blobs at threshold {threshold} are lines or frames")
+            }
             all => format!("none of its {all} {side} blobs has {smallest} to {largest} pixels"),
         };
         return Err(FormatError::Pixels { reason });
@@ -130,131 +278,23 @@ pub fn find_blobs(picture: &Picture, options: &BlobOptions, read: &ReadOptions) 
         .with_attribute(Attribute { name: RADIUS_ATTRIBUTE.to_owned(), values: radius })?;
     let mut reading = Reading::new(FileFormat::Picture, pattern);
     reading.is_domain_declared = true;
-    match blobs.len() - kept.len() {
+    if is_evened && !is_by_opacity {
+        reading.notes.push(Note::changed(format!(
+            "The ground is darker on one side than on another, so its light was evened out before the threshold {threshold}."
+        )));
+    }
+    if is_by_opacity {
+        reading.notes.push(Note::changed(format!(
+            "The ground is transparent and hides the marks on white, so that opacity tells them, at threshold {threshold}."
+        )));
+    }
+    match sized {
         0 => {}
         1 => reading.notes.push(Note::left_out("One blob was too small or too large.")),
         others => reading.notes.push(Note::left_out(format!("{others} blobs were too small or too large."))),
     }
-    Ok(Blobs { reading, threshold, ink })
-}
-
-fn histogram(brightness: &[u8]) -> [usize; 256] {
-    let mut histogram = [0; 256];
-    for &value in brightness {
-        histogram[usize::from(value)] += 1;
-    }
-    histogram
-}
-
-/// The threshold that parts the pixels into the two most different groups (Otsu 1979). Between two groups with nothing
-/// in between it is the middle of the gap.
-fn otsu(histogram: &[usize; 256]) -> u8 {
-    let total: usize = histogram.iter().sum();
-    let weighted = |from: usize, to: usize| -> f64 { (from..to).map(|value| (value * histogram[value]) as f64).sum() };
-    let all = weighted(0, 256);
-    let (mut count, mut sum) = (0_usize, 0.0);
-    let (mut best, mut first, mut last) = (-1.0, 0_u8, 0_u8);
-    for threshold in 0..=255_u8 {
-        count += histogram[usize::from(threshold)];
-        sum += f64::from(threshold) * histogram[usize::from(threshold)] as f64;
-        let (low, high) = (count as f64, (total - count) as f64);
-        let between = if low > 0.0 && high > 0.0 {
-            let apart = sum / low - (all - sum) / high;
-            low * high * apart * apart
-        } else {
-            0.0
-        };
-        if between > best {
-            (best, first, last) = (between, threshold, threshold);
-        } else if between == best {
-            last = threshold;
-        }
-    }
-    // Of a range of equally good ones.
-    first + (last - first) / 2
-}
-
-struct Blob {
-    center: DVec2,
-    area: f64,
-}
-
-/// Blobs up to this area are dirt beside the others.
-fn dirt(blobs: &[Blob]) -> f64 {
-    let mut areas: Vec<f64> = blobs.iter().map(|blob| blob.area).collect();
-    let order = crate::sorting::order(areas.iter().copied());
-    areas = order.into_iter().map(|place| areas[place]).collect();
-    areas
-        .get(areas.len() / 2)
-        .map_or(0.0, |median| (median / 4.0).floor() + 1.0)
-        .min(areas.last().copied().unwrap_or(0.0))
-}
-
-/// Connected components by union of the runs of each row with those of the row above, in reading order.
-fn components(picture: &Picture, is_ink: impl Fn(u8) -> bool) -> Vec<Blob> {
-    struct Run {
-        start: usize,
-        end: usize,
-        row: usize,
-    }
-    fn root(parents: &mut [usize], mut run: usize) -> usize {
-        while parents[run] != run {
-            // Halves the way for the next one.
-            parents[run] = parents[parents[run]];
-            run = parents[run];
-        }
-        run
-    }
-    let mut runs: Vec<Run> = Vec::new();
-    let mut parents: Vec<usize> = Vec::new();
-    let mut above = 0..0;
-    for (row, pixels) in picture.brightness.chunks_exact(picture.width).enumerate() {
-        let first = runs.len();
-        let mut column = 0;
-        while column < pixels.len() {
-            if !is_ink(pixels[column]) {
-                column += 1;
-                continue;
-            }
-            let start = column;
-            while column < pixels.len() && is_ink(pixels[column]) {
-                column += 1;
-            }
-            let run = runs.len();
-            parents.push(run);
-            runs.push(Run { start, end: column, row });
-            // Corners touch: one pixel more on either side. Runs above that end before this one never touch later ones.
-            while above.start < above.end && runs[above.start].end < start {
-                above.start += 1;
-            }
-            for other in above.clone() {
-                if runs[other].start > column {
-                    break;
-                }
-                let (a, b) = (root(&mut parents, other), root(&mut parents, run));
-                parents[a.max(b)] = a.min(b);
-            }
-        }
-        above = first..runs.len();
-    }
-    let mut blobs: Vec<Blob> = Vec::new();
-    let mut places = vec![usize::MAX; runs.len()];
-    for (index, run) in runs.iter().enumerate() {
-        let top = root(&mut parents, index);
-        if places[top] == usize::MAX {
-            places[top] = blobs.len();
-            blobs.push(Blob { center: DVec2::ZERO, area: 0.0 });
-        }
-        let blob = &mut blobs[places[top]];
-        let length = (run.end - run.start) as f64;
-        blob.area += length;
-        // Of the pixels' middles.
-        blob.center += length * DVec2::new((run.start + run.end) as f64 / 2.0, run.row as f64 + 0.5);
-    }
-    for blob in &mut blobs {
-        blob.center /= blob.area;
-    }
-    blobs
+    reading.notes.extend(notes);
+    Ok(Blobs { reading, threshold, ink, faint_threshold, is_evened: is_evened && !is_by_opacity, is_by_opacity })
 }
 
 #[cfg(test)]

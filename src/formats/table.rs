@@ -264,7 +264,7 @@ impl Table {
         };
         let domain = guess.domain;
         let slack = self.rounding * domain.size().max_element();
-        for point in &mut positions {
+        for point in positions.iter_mut().filter(|point| slack > 0.0 && !domain.contains(**point)) {
             let nearest = point.clamp(domain.min(), domain.max());
             if (nearest - *point).abs().max_element() <= slack {
                 *point = nearest;

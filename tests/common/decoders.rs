@@ -7,7 +7,7 @@ use pointweave::PatternError;
 use pointweave::formats::link::{Link, LinkExemplar, Written, read_link, write_link};
 use pointweave::formats::{
     BlobOptions, FormatError, Ink, Picture, Preview, ReadOptions, Reading, SvgStyle, find_blobs, open, write_csv,
-    write_csv_like, write_json, write_npy, write_svg,
+    write_csv_like, write_geojson, write_json, write_npy, write_svg,
 };
 
 /// Reads, and looks at everything there is to see of the result.
@@ -49,6 +49,13 @@ pub fn json(bytes: &[u8]) {
     if let Some(reading) = look(bytes, "a.json") {
         let again = open(write_json(&reading.pattern).as_bytes(), None, &ReadOptions::default()).expect("our own JSON");
         assert_eq!(again.pattern, reading.pattern);
+        let geojson = write_geojson(&reading.pattern, &reading.origin);
+        let again = open(geojson.as_bytes(), None, &ReadOptions::default()).expect("our own GeoJSON");
+        assert_eq!(again.pattern.class_names(), reading.pattern.class_names());
+        assert_eq!(again.pattern.attributes(), reading.pattern.attributes());
+        if reading.origin.projection.is_none() {
+            assert_eq!(again.pattern, reading.pattern);
+        }
     }
 }
 
@@ -61,14 +68,66 @@ pub fn svg(bytes: &[u8]) {
     }
 }
 
-/// NumPy arrays.
+/// NumPy arrays, archives, and arrays that are put into one: Z, how it is packed, then the arrays.
 pub fn npy(bytes: &[u8]) {
+    const MAGIC: &[u8] = b"\x93NUMPY";
     // Most of what a fuzzer tries should get beyond the first bytes.
-    let bytes = if bytes.starts_with(b"\x93NUMPY") { bytes.to_vec() } else { [b"\x93NUMPY", bytes].concat() };
+    let bytes = match bytes {
+        [b'Z', packing, rest @ ..] => {
+            let starts = rest.windows(MAGIC.len()).enumerate().filter(|(_, window)| *window == MAGIC).map(|(at, _)| at);
+            let starts: Vec<usize> = starts.take(6).chain([rest.len()]).collect();
+            let names = [
+                ["x.npy", "y.npy", "class.npy", "w.npy", "v.npy", "u.npy"],
+                ["points.npy", "a", "b.npy", "c.npy", "d", "e"],
+            ];
+            let arrays = starts.windows(2).map(|pair| &rest[pair[0]..pair[1]]);
+            let entries: Vec<_> = names[usize::from(packing / 2 % 2)].into_iter().zip(arrays).collect();
+            zip(&entries, packing % 2 == 1)
+        }
+        _ if bytes.starts_with(MAGIC) || bytes.starts_with(b"PK") => bytes.to_vec(),
+        _ => [MAGIC, bytes].concat(),
+    };
     if let Some(reading) = look(&bytes, "a.npy") {
         let again = open(&write_npy(&reading.pattern), None, &ReadOptions::default()).expect("our own array");
         assert_eq!(again.pattern.positions(), reading.pattern.positions());
     }
+}
+
+/// A ZIP archive of these files, deflated or stored.
+pub fn zip(entries: &[(&str, &[u8])], is_deflated: bool) -> Vec<u8> {
+    let crc = |bytes: &[u8]| {
+        !bytes.iter().fold(u32::MAX, |crc, &byte| {
+            (0..8).fold(crc ^ u32::from(byte), |crc, _| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
+        })
+    };
+    let (mut bytes, mut directory) = (Vec::new(), Vec::new());
+    for (name, data) in entries {
+        let packed = if is_deflated { miniz_oxide::deflate::compress_to_vec(data, 6) } else { data.to_vec() };
+        let offset = bytes.len() as u32;
+        let mut common = vec![20, 0, 0, 0, if is_deflated { 8 } else { 0 }, 0, 0, 0, 0, 0];
+        common.extend(crc(data).to_le_bytes());
+        common.extend((packed.len() as u32).to_le_bytes());
+        common.extend((data.len() as u32).to_le_bytes());
+        common.extend((name.len() as u16).to_le_bytes());
+        common.extend([0, 0]);
+        bytes.extend(b"PK\x03\x04");
+        bytes.extend(&common);
+        bytes.extend(name.as_bytes());
+        bytes.extend(&packed);
+        directory.extend(b"PK\x01\x02\x14\x00");
+        directory.extend(&common);
+        directory.extend([0; 10]);
+        directory.extend(offset.to_le_bytes());
+        directory.extend(name.as_bytes());
+    }
+    let (start, count) = (bytes.len() as u32, entries.len() as u16);
+    bytes.extend(&directory);
+    bytes.extend(b"PK\x05\x06\x00\x00\x00\x00");
+    bytes.extend([count.to_le_bytes(), count.to_le_bytes()].concat());
+    bytes.extend((directory.len() as u32).to_le_bytes());
+    bytes.extend(start.to_le_bytes());
+    bytes.extend([0, 0]);
+    bytes
 }
 
 /// PNG and whatever else is told by its first bytes.
