@@ -5,7 +5,7 @@
 use super::column_names;
 use super::declaration::Declared;
 use super::error::FormatError;
-use super::npy_header::{Descr, Header, Kind};
+use super::npy_header::{Descr, Field, Header, Kind};
 use super::table::{Row, RowPlace, Table};
 use super::{FileFormat, Note, ReadOptions, Reading};
 use crate::pattern::{MAX_ATTRIBUTES, MAX_POINTS, PointPattern};
@@ -99,7 +99,9 @@ impl<'a> Array<'a> {
                 }
                 // The first field of two numbers is the place, where no other says that it is.
                 let axes = ["x", "y", "z"];
-                let mut is_place = !fields.iter().any(|field| axes.contains(&field.name.to_ascii_lowercase().as_str()));
+                let is_axis = |field: &Field| axes.contains(&field.name.to_ascii_lowercase().as_str());
+                let mut is_place =
+                    !fields.iter().any(|field| field.count == 1 && !field.kind.is_complex() && is_axis(field));
                 for field in fields.into_iter().filter(|field| !field.is_filling()) {
                     let is_pair = field.kind.is_complex() || (2..=3).contains(&field.count);
                     let name = if is_pair && std::mem::take(&mut is_place) { "" } else { &field.name };
