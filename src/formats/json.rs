@@ -60,6 +60,10 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
         let start = text.len() - rest.trim_start().len();
         let Some(value) = stream.next() else { break };
         values.push(value.map_err(|error| located(&error))?);
+        if values.len() > MAX_OBJECTS {
+            let message = format!("there are more than {MAX_OBJECTS} values; a pattern has fewer");
+            return Err(layout_at(Some(place(text, start)), message));
+        }
         starts.push(start);
     }
     sequence(values, &places(text, starts), options)
