@@ -197,7 +197,8 @@ impl Chooser<'_> {
             examples: survey.examples.clone(),
             is_numeric: survey.is_numeric(),
         };
-        self.surveys.iter().enumerate().map(describe).collect()
+        // What the format fixes is nothing to choose from.
+        self.surveys.iter().enumerate().skip(self.table.fixed.len()).map(describe).collect()
     }
 
     /// The column that a person means: by its name, by its name without the unit, or by its number.
