@@ -76,7 +76,7 @@ pub fn respond(request: FilesRequest) -> FilesResponse {
         };
         let place =
             position.map(|(line, column)| Place { line: line as u64, column: column.map(|column| column as u64) });
-        FilesResponse::Error { message: refusal.to_string(), place }
+        FilesResponse::Error { message: refusal.to_string(), place, columns: Vec::new() }
     })
 }
 
