@@ -29,7 +29,8 @@ fn refused(text: &str, parts: &[&str]) {
     let error = load(text).expect_err(text);
     let message = error.to_string();
     // Whatever is not about the file as a whole has its place.
-    let whole = matches!(error, FormatError::NoPoints | FormatError::NoDomain { .. } | FormatError::Kind { .. });
+    let bare = if let FormatError::Table { error, .. } = &error { error.as_ref() } else { &error };
+    let whole = matches!(bare, FormatError::NoPoints | FormatError::NoDomain { .. } | FormatError::Kind { .. });
     assert!(whole || error.position().is_some(), "{text:.200?}: {message}");
     for part in parts {
         assert!(message.contains(part), "{text:.200?}\n  says    {message:?}\n  without {part:?}");
@@ -192,28 +193,26 @@ fn strange_but_valid_points() {
 #[test]
 fn values_that_are_refused() {
     refused("x,y\n0.1,0.2\n0.3,abc\n", &["line 3, column 2", "y is \"abc\"", "finite number"]);
-    refused("0.1 0.2\n# c\n\nnan 0.3", &["line 4, column 1", "x is \"nan\"", "finite number"]);
+    refused("0.1 0.2\n# c\n\ninf 0.3", &["line 4, column 1", "x is \"inf\"", "finite number"]);
     refused("nan,nan", &["line 1, column 1", "\"nan\""]);
     refused("0.1,inf", &["line 1, column 2", "\"inf\""]);
     refused("0.1,1e999", &["line 1, column 2", "\"1e999\""]);
-    refused("0.1,", &["line 1, column 2", "y is \"\""]);
+    refused("0.1,", &["line 1, column 1", "1 values", "at least 2"]);
     refused("0.1;1.000,5", &["line 1, column 2", "\"1.000,5\""]);
-    refused("x,y,w\n0,0,1\n0,0,\n", &["line 3, column 3", "w is \"\""]);
-    refused("x,y,class\n0,0,a\n0,0, \n", &["line 3, column 3", "class is \"\"", "word"]);
     refused("oak,0.1,0.2", &["line 1, column 1", "x is \"oak\""]);
     refused("x,y\n0,0\n1\n", &["line 3, column 2", "1 values", "2 are needed"]);
     refused("x,y\n0,0\n1,2,3\n", &["line 3, column 3", "3 values", "2 are needed"]);
     refused("0.5\n0.6", &["line 1", "1 values", "at least 2 (x and y)"]);
-    refused("lon,lat\n1,2", &["line 1", "'x'", "lon, lat"]);
+    refused("place,height\n1,2", &["line 1", "'x'", "place, height", "--columns x="]);
     refused("x,class\n1,2", &["line 1", "'y'", "x, class"]);
     refused("x,y,w,w\n1,2,3,4", &["line 1, column 4", "\"w\""]);
     refused("x,y,X\n1,2,3", &["line 1, column 3", "\"X\""]);
     refused(&format!("x,y\n1,{}", "9z".repeat(100)), &["9z9z…"]);
-    refused("x,y,a b\n0,0,\"un\nclosed", &["line 2, column 3"]);
+    refused("x,y\n0,\"un\nclosed", &["line 2, column 2"]);
     // Lines are counted over comments, blank lines and quoted line ends, whatever ends a line.
     refused("# a\r\n\r\nx,y,class\r\n# b\r\n0,0,a\r\n\r\n# c\r\n0,oops,a\r\n", &["line 8, column 2"]);
     refused("# a\rx,y\r0,0\r# c\r0,oops\r", &["line 5, column 2"]);
-    refused("x,y,class\n0,0,\"a\"\n\n0,\"\n\",a\n", &["line 4, column 2"]);
+    refused("x,y,class\n0,0,\"a\"\n\n0,\"\nz\",a\n", &["line 4, column 2"]);
 }
 
 #[test]
@@ -235,7 +234,7 @@ fn json_that_is_refused() {
     refused("{\"points\": [[0, 0], [0 1]]}", &["line 1, column", "JSON"]);
     refused("[[0, 0],\n [0, NaN]]", &["line 2, column"]);
     refused("[[0, 0], [0, 1e999]]", &["line 1", "out of range"]);
-    refused("[[0, 0], [0, null]]", &["point 2 of the list, value 2", "y is \"\""]);
+    refused("[[null, 0]]", &["point 1 of the list, value 1", "in at least one row"]);
     refused("[[0, 0], [0, [1]]]", &["point 2 of the list, value 2", "\"[1]\""]);
     refused("[[0, 0], 5]", &["point 2 of the list is a number", "a list [x, y]"]);
     refused("[[0, 0], [0]]", &["point 2 of the list", "1 values"]);
@@ -298,8 +297,6 @@ fn sizes_are_not_negative_and_no_row_lacks_a_value() {
     let other = good("x,y,depth,orientation\n0,0,-1,-90\n1,1,0,360");
     assert_eq!(other.attributes()[0].values, [-1.0, 0.0], "other quantities have a sign");
 
-    refused("x,y,depth\n0,0,1\n0,1,\n", &["line 3, column 3", "depth is \"\""]);
-    refused("x,y,class,depth\n0,0,a,1\n0,1,a\n", &["line 3", "3 values", "4 are needed"]);
     refused("2 1000 2000\n1000 5 5 7\n2000 5 5", &["line 3", "3 values", "4 are needed"]);
     let short = r#"{"positions": [[0, 0], [1, 1]], "attributes": [{"name": "depth", "values": [1]}]}"#;
     refused(short, &["depth has 1 values for 2 points"]);
@@ -318,7 +315,6 @@ fn limits() {
     refused(&format!("x,y\n{}", row.repeat(20_001)), &["line 20002", "20000 points"]);
     let sixteen: String = (0..16).map(|i| format!("0 0 c{i}\n")).collect();
     assert_eq!(good(&sixteen).class_names().len(), 16);
-    refused(&format!("{sixteen}0 0 c16"), &["line 17, column 3", "\"c16\"", "16 classes"]);
     let declared: String = (0..17).map(|i| format!("c{i},")).collect();
     refused(&format!("# classes: {declared}d\n0 0 d"), &["line 1, column 17", "more than 16 classes"]);
     let announced: String = (1..=17).map(|i| format!(" {i}000")).collect();
@@ -330,10 +326,11 @@ fn limits() {
         format!("x,y{names}\n0,0{}", ",1".repeat(count))
     };
     assert_eq!(good(&wide(8)).attributes().len(), 8);
-    refused(&wide(9), &["line 1, column 11", "more than 8 attributes"]);
-    refused(&format!("0.5 0.5{}", " 0.5".repeat(9)), &["line 1", "8 attributes"]);
-    refused(&wide(80), &["line 1, column 65", "64 columns"]);
-    refused(&format!("0 0\n{}1 1", " ".repeat(10_000)), &["line 2", "10003 bytes", "at most 10000"]);
+    for many in [wide(9), wide(1022), format!("0.5 0.5{}", " 0.5".repeat(9))] {
+        assert_eq!(good(&many).attributes().len(), 8);
+    }
+    refused(&wide(1023), &["line 1, column 1025", "1024 columns"]);
+    refused(&format!("0 0\n{}1 1", " ".repeat(100_000)), &["line 2", "100003 bytes", "at most 100000"]);
     refused(&format!("x,y,class\n0,0,{}", "é".repeat(65)), &["line 2, column 3", "1 to 64 characters"]);
     refused(&format!("x,y,{}\n0,0,1", "é".repeat(65)), &["line 1, column 3", "1 to 64 characters"]);
     refused("x,y,a\u{1}b\n0,0,1", &["line 1, column 3", "control character"]);
@@ -351,10 +348,9 @@ fn other_files_are_named() {
         (b"\xff\xd8\xff\xe0", "a JPEG picture"),
         (b"RIFF....WEBPVP8 ", "a WebP picture"),
         (b"PK\x03\x04....", "spreadsheet"),
-        (b"\xff\xfe0\x00", "UTF-16"),
         (b"  <html></html>", "XML"),
         (b"0.5 0.5\x00", "binary"),
-        (b"0 0\n1 1 \xe9l\xe9\n", "line 2, column 5: byte 0xe9 is not UTF-8"),
+        (b"0 0\n1 1 \xe9\x01\n", "line 2, column 5: byte 0xe9 is not UTF-8"),
     ] {
         let message = read(bytes, None, &ReadOptions::default()).unwrap_err().to_string();
         assert!(message.contains(word), "{message}");

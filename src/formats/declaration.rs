@@ -23,8 +23,8 @@ pub(super) struct Declared {
 }
 
 impl Declared {
-    /// Takes in one comment line, without its `#`. The last declaration of a kind holds.
-    pub(super) fn comment(&mut self, line: usize, comment: &str) -> Result<(), FormatError> {
+    /// Takes in one comment line, without its `#`, and says whether it declares anything. The last declaration of a kind holds.
+    pub(super) fn comment(&mut self, line: usize, comment: &str) -> Result<bool, FormatError> {
         let text = comment.trim();
         if let Some(rest) = strip_word(text, "domain") {
             let words: Vec<&str> = rest.split([',', ' ', '\t']).filter(|word| !word.is_empty()).collect();
@@ -33,6 +33,7 @@ impl Declared {
                 let (domain, boundary) = parse_domain(&words).map_err(refuse)?;
                 self.domain = Some(domain);
                 self.boundary = boundary.or(self.boundary);
+                return Ok(true);
             }
         } else if let Some(rest) = strip_word(text, "classes").and_then(|_| comment.split_once(':')) {
             // Names may begin or end with blanks: only the one after the colon belongs to the syntax.
@@ -55,8 +56,9 @@ impl Declared {
                     self.classes.push(name.to_owned());
                 }
             }
+            return Ok(true);
         }
-        Ok(())
+        Ok(false)
     }
 }
 

@@ -1,13 +1,63 @@
-//! Comma, semicolon and tab: reading by the `csv` crate, and our own CSV.
+//! Comma, semicolon, tab and bar: reading by the `csv` crate, and our own CSV.
 
-use super::Origin;
+use glam::DVec2;
+
+use super::column_names::{self, normalized};
 use super::declaration::{Declared, domain_line, number_text};
 use super::error::FormatError;
+use super::number::{self, Comma, is_missing};
 use super::table::{ATTRIBUTE_PREFIX, Row, RowPlace, Table};
-use crate::pattern::PointPattern;
+use super::{Origin, whitespace};
+use crate::pattern::{Domain, PointPattern};
 
-/// Reads delimited text. A decimal comma is understood where the comma does not separate columns.
-pub(super) fn read(text: &str, delimiter: u8) -> Result<Table, FormatError> {
+/// How many lines of data are looked at to tell what parts the columns.
+const LOOKED_AT: usize = 50;
+
+/// The separator that the first line `sep=;` names, as Excel understands it, and the text behind that line.
+pub(super) fn named_separator(text: &str) -> Option<(u8, &str)> {
+    let (first, rest) = text.split_once('\n')?;
+    let first = first.trim_end_matches([',', ';']).trim_matches('"');
+    let sign = first.get(..4).filter(|start| start.eq_ignore_ascii_case("sep="))?;
+    // `sep=,` and `sep=;` lose their sign to the trimming above.
+    let named = text.get(text.find(sign)? + 4..)?.chars().next()?;
+    matches!(named, ',' | ';' | '\t' | '|').then_some((named as u8, rest))
+}
+
+/// What parts the columns; `None` is blanks.
+pub(super) fn separator(text: &str) -> Option<u8> {
+    let lines: Vec<String> = text
+        .lines()
+        .filter(|line| !line.trim().is_empty() && !line.starts_with('#'))
+        .take(LOOKED_AT)
+        // Separators within quotes don't count.
+        .map(|line| line.split('"').step_by(2).collect())
+        .collect();
+    // Where every row begins with the sign of a comment, they are what there is to look at.
+    let commented: Vec<String>;
+    let lines = if lines.len() <= 1 && text.lines().filter(|line| line.starts_with('#')).count() > 1 {
+        commented = text.lines().filter(|line| !line.trim().is_empty()).take(LOOKED_AT).map(str::to_owned).collect();
+        commented.as_slice()
+    } else {
+        lines.as_slice()
+    };
+    let most = |sign: char| 2 * lines.iter().filter(|line| line.trim().contains(sign)).count() > lines.len();
+    let sign = ['\t', ';', ',', '|'].into_iter().find(|&sign| most(sign))?;
+    // `6,86 5`: blanks part the columns, and commas are decimal points.
+    if sign == ',' && lines.iter().all(|line| is_decimal_commas(line) || !line.contains(',')) {
+        return None;
+    }
+    Some(sign as u8)
+}
+
+/// Whether a line is two and more words parted by blanks, of which the first two are numbers with at most one comma each.
+fn is_decimal_commas(line: &str) -> bool {
+    let (cells, _) = whitespace::cells(line);
+    let is_number = |cell: &&str| number::parse(cell, Comma::Decimal).is_some();
+    cells.len() >= 2 && cells.iter().filter(|cell| cell.contains(',')).all(|cell| is_number(&cell))
+}
+
+/// Reads delimited text, whose first line has this number.
+pub(super) fn read(text: &str, delimiter: u8, first_line: usize) -> Result<Table, FormatError> {
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(delimiter)
         .has_headers(false)
@@ -15,22 +65,45 @@ pub(super) fn read(text: &str, delimiter: u8) -> Result<Table, FormatError> {
         .comment(Some(b'#'))
         .from_reader(text.as_bytes());
     let mut table = Table::new(Declared::default());
-    table.decimal_comma = delimiter != b',';
-    let mut cursor = Cursor { text, offset: 0, line: 1 };
+    table.delimiter = Some(delimiter);
+    let mut cursor = Cursor { text, offset: 0, line: first_line };
     let mut record = csv::StringRecord::new();
     loop {
+        // Where the last record ended: comments and blank lines may follow, at the end of the file too.
+        let start = reader.position().byte() as usize;
         let more = reader.read_record(&mut record).map_err(|error| FormatError::Syntax {
             line: cursor.line,
             column: 1,
             message: error.to_string(),
         })?;
+        let line = cursor.skip_to_record(start, &mut table)?;
         if !more {
-            cursor.skip_to_record(text.len(), &mut table.declared)?;
+            table.comma = comma(&table, delimiter);
             return Ok(table);
         }
-        let start = record.position().map_or(0, |position| position.byte() as usize);
-        let line = cursor.skip_to_record(start, &mut table.declared)?;
-        table.push(Row { place: RowPlace::Line(line), cells: record.iter().map(str::to_owned).collect() })?;
+        table.push(Row { place: RowPlace::Line(line), cells: record.clone() })?;
+    }
+}
+
+/// What a comma in a number is. Where commas part the columns it stands within quotes, and only what leaves no doubt is
+/// taken for a decimal point: `6,86` is one, `1,234` may part thousands.
+fn comma(table: &Table, delimiter: u8) -> Comma {
+    let (mut decimal, mut thousands, mut either) = (false, false, false);
+    for cell in table.rows.iter().flat_map(|row| row.cells.iter()).filter(|cell| cell.contains(',')) {
+        let cell = cell.trim();
+        let grouped = number::is_grouped(cell);
+        let is_decimal = number::parse(cell, Comma::Decimal).is_some();
+        either |= grouped && is_decimal;
+        decimal |= is_decimal && !grouped;
+        thousands |= grouped && !is_decimal && number::parse(cell, Comma::Thousands).is_some();
+    }
+    match (decimal, thousands) {
+        (true, false) => Comma::Decimal,
+        (false, true) => Comma::Thousands,
+        // Where commas part no columns, a comma was always a decimal point.
+        _ if delimiter != b',' => Comma::Decimal,
+        (false, false) if !either => Comma::None,
+        _ => Comma::None,
     }
 }
 
@@ -44,19 +117,17 @@ struct Cursor<'a> {
 
 impl Cursor<'_> {
     /// Moves to byte `start`, then over comments (taken in) and blank lines; returns the line it stops at.
-    fn skip_to_record(&mut self, start: usize, declared: &mut Declared) -> Result<usize, FormatError> {
+    fn skip_to_record(&mut self, start: usize, table: &mut Table) -> Result<usize, FormatError> {
         let bytes = self.text.as_bytes();
         while self.offset < start.min(bytes.len()) {
             self.step();
         }
         loop {
             match bytes.get(self.offset) {
-                Some(b'\r' | b'\n') => self.step(),
+                Some(b'\n') => self.step(),
                 Some(b'#') => {
-                    let rest = &self.text[self.offset + 1..];
-                    // The reader ends a comment at a line feed only.
-                    let comment = rest.split('\n').next().unwrap_or_default();
-                    declared.comment(self.line, comment.trim_end_matches('\r'))?;
+                    let comment = self.text[self.offset + 1..].split('\n').next().unwrap_or_default();
+                    table.comment(self.line, comment)?;
                     self.offset += 1 + comment.len();
                 }
                 _ => return Ok(self.line),
@@ -64,15 +135,9 @@ impl Cursor<'_> {
         }
     }
 
-    /// One byte on; a line ends at `\n`, and at a `\r` that no `\n` follows.
+    /// One byte on.
     fn step(&mut self) {
-        let bytes = self.text.as_bytes();
-        let ends = match bytes[self.offset] {
-            b'\n' => true,
-            b'\r' => bytes.get(self.offset + 1) != Some(&b'\n'),
-            _ => false,
-        };
-        self.line += usize::from(ends);
+        self.line += usize::from(self.text.as_bytes()[self.offset] == b'\n');
         self.offset += 1;
     }
 }
@@ -87,7 +152,11 @@ pub fn write_csv(pattern: &PointPattern) -> String {
 /// The same with the columns named as those of the exemplar's file were, units included.
 #[must_use]
 pub fn write_csv_like(pattern: &PointPattern, origin: &Origin) -> String {
-    let mut text = domain_line(pattern.domain(), pattern.boundary());
+    // Degrees leave as degrees, and the domain with them.
+    let placed = |position: DVec2| origin.projection.map_or(position, |projection| projection.unproject(position));
+    let (min, max) = (pattern.domain().min(), pattern.domain().max());
+    let degrees = origin.projection.and_then(|_| Domain::new(placed(min), placed(max) - placed(min)).ok());
+    let mut text = domain_line(degrees.unwrap_or(pattern.domain()), pattern.boundary());
     text.push('\n');
     let names = pattern.class_names();
     let with_class = names != ["points"];
@@ -124,7 +193,8 @@ fn push_table(text: &mut String, pattern: &PointPattern, with_class: bool, delim
     push_row(text, &cells, delimiter);
     for (i, position) in pattern.positions().iter().enumerate() {
         cells.clear();
-        cells.extend([number_text(position.x), number_text(position.y)]);
+        let [x, y] = origin.projection.map_or(*position, |projection| projection.unproject(*position)).to_array();
+        cells.extend([number_text(x), number_text(y)]);
         if with_class {
             cells.push(names[usize::from(pattern.classes()[i])].clone());
         }
@@ -133,7 +203,7 @@ fn push_table(text: &mut String, pattern: &PointPattern, with_class: bool, delim
     }
 }
 
-/// Whether the rows alone tell the classes and their order: each appears, in order, and has no blanks at its ends.
+/// Whether the rows alone tell the classes and their order: each appears, in order, and is read as it is written.
 fn order_shows(pattern: &PointPattern) -> bool {
     let mut seen = 0;
     for &class in pattern.classes() {
@@ -142,13 +212,16 @@ fn order_shows(pattern: &PointPattern) -> bool {
         }
         seen = seen.max(usize::from(class) + 1);
     }
-    seen == pattern.class_names().len() && pattern.class_names().iter().all(|name| name.trim() == name)
+    seen == pattern.class_names().len()
+        && pattern
+            .class_names()
+            .iter()
+            .all(|name| name.trim() == name && normalized(name) == *name && !is_missing(name))
 }
 
-/// An attribute's name as it stands in a header.
+/// An attribute's name as it stands in a header: with a prefix where the name alone would say something else.
 fn header_name(name: &str) -> String {
-    let reserved = ["x", "y", "class"].iter().any(|word| name.trim().eq_ignore_ascii_case(word));
-    if reserved || name.trim() != name || name.starts_with(ATTRIBUTE_PREFIX) {
+    if name.trim() != name || name.starts_with(ATTRIBUTE_PREFIX) || column_names::is_telling(name) {
         format!("{ATTRIBUTE_PREFIX}{name}")
     } else {
         name.to_owned()

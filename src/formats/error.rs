@@ -4,6 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
+use super::Column;
 use crate::pattern::PatternError;
 
 /// Where in the input a value stands. Everything is counted from 1.
@@ -149,7 +150,10 @@ pub enum FormatError {
         expected: String,
     },
     /// A header without the positions.
-    #[error("line {line}: no column is called '{name}'; the columns are called {found}")]
+    #[error(
+        "line {line}: no column is called '{name}', nor anything like it; the columns are called {found}: choose those of x \
+         and y in the import dialog or with --columns x=…,y=…"
+    )]
     MissingColumn {
         /// The line of the header.
         line: usize,
@@ -165,6 +169,28 @@ pub enum FormatError {
         place: Place,
         /// The name.
         name: String,
+    },
+    /// A column that was asked for and is not there.
+    #[error("no column is called {name:?}; the columns are called {found}")]
+    NoColumn {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        found: String,
+    },
+    /// A column that was asked for twice.
+    #[error("the column {name:?} is chosen twice; a column can hold one thing")]
+    ColumnTwice {
+        /// What was asked for.
+        name: String,
+    },
+    /// What is wrong with a table whose columns are known, so that others can be chosen.
+    #[error("{error}")]
+    Table {
+        /// What is wrong.
+        error: Box<FormatError>,
+        /// What there is to choose from.
+        columns: Vec<Column>,
     },
     /// A declaration that names a class twice.
     #[error("{place}: another class is called {name:?} too; every class needs its own name")]
@@ -206,10 +232,30 @@ pub enum FormatError {
 }
 
 impl FormatError {
+    /// The same with the columns of the table it is about.
+    pub(super) fn with_columns(self, columns: &[Column]) -> Self {
+        match self {
+            // Nothing that other columns would change.
+            Self::NoPoints | Self::Table { .. } => self,
+            error if columns.is_empty() => error,
+            error => Self::Table { error: Box::new(error), columns: columns.to_vec() },
+        }
+    }
+
+    /// The columns of the table it is about, where there is one.
+    #[must_use]
+    pub fn columns(&self) -> &[Column] {
+        match self {
+            Self::Table { columns, .. } => columns,
+            _ => &[],
+        }
+    }
+
     /// The line and, when one is known, the column, both from 1.
     #[must_use]
     pub fn position(&self) -> Option<(usize, Option<usize>)> {
         match *self {
+            Self::Table { ref error, .. } => error.position(),
             Self::TooMany { place, .. }
             | Self::Value { place, .. }
             | Self::Outside { place, .. }

@@ -69,7 +69,7 @@ pub(super) fn read(text: &str, object: &Map<String, Value>, options: &ReadOption
         let mut cells: Vec<String> = point.position.iter().take(2).map(cell).collect();
         cells.extend(columns.class.map(|name| property(name).unwrap_or_default()));
         cells.extend(columns.attributes.iter().map(|name| property(name).unwrap_or_default()));
-        table.push(Row { place: point.place, cells })?;
+        table.push(Row::new(point.place, cells))?;
     }
     let mut reading = table.into_reading(FileFormat::GeoJson, options)?;
     reading.notes.splice(0..0, notes);

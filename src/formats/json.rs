@@ -143,7 +143,7 @@ fn points_table(points: &[Value], places: &[(usize, usize)], declared: Declared)
         let at = places.get(index).copied();
         let place = RowPlace::Entry(index + 1, at);
         let wrong = |message: String| layout_at(at, format!("point {} of the list {message}", index + 1));
-        let cells = match point {
+        let cells: Vec<String> = match point {
             Value::Array(values) if keys.is_empty() => values.iter().map(cell).collect(),
             Value::Object(values) if !keys.is_empty() => {
                 if let Some(extra) = values.keys().find(|key| !keys.contains(&key.as_str())) {
@@ -163,7 +163,7 @@ fn points_table(points: &[Value], places: &[(usize, usize)], declared: Declared)
                 return Err(wrong(format!("is {}, but must be {wanted}", kind(other))));
             }
         };
-        table.push(Row { place, cells })?;
+        table.push(Row::new(place, cells))?;
     }
     Ok(table)
 }

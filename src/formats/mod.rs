@@ -34,16 +34,20 @@
 //! # classes: oak,"silver birch"       the order of the classes, quoted as in CSV
 //! ```
 
+mod column_names;
+mod columns;
 mod declaration;
 mod delimited;
 mod error;
 mod geojson;
 mod glyph;
 mod guess;
+mod header;
 mod json;
 pub mod link;
 mod note;
 mod npy;
+mod number;
 mod origin;
 mod outline;
 mod picture;
@@ -59,6 +63,7 @@ mod style_sheet;
 pub(crate) mod svg;
 mod svg_points;
 mod table;
+mod text;
 mod whitespace;
 
 pub use delimited::{write_csv, write_csv_like, write_tsv};
@@ -86,7 +91,7 @@ use crate::pattern::{Boundary, Domain, PatternError, PointPattern, Window};
 /// Most bytes of a file. The largest pattern with eight attributes takes about 5 MB.
 pub const MAX_BYTES: usize = 20_000_000;
 /// Most bytes of a line of text.
-pub const MAX_LINE_LENGTH: usize = 10_000;
+pub const MAX_LINE_LENGTH: usize = 100_000;
 
 /// What the caller knows better than the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -111,6 +116,8 @@ pub struct ColumnChoice {
     pub y: Option<String>,
     /// The column of classes; empty for none.
     pub class: Option<String>,
+    /// The column of radii; of all others what there is is taken.
+    pub radius: Option<String>,
     /// The columns that become attributes, each with the attribute's name, as in (`radius`, `crown_m`); all others are left
     /// out. `None` takes what there is.
     pub attributes: Option<Vec<(String, String)>>,
@@ -282,12 +289,14 @@ pub fn open(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
     if let Some(kind) = foreign(bytes) {
         return Err(FormatError::Kind { kind });
     }
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let text = std::str::from_utf8(bytes).map_err(|error| {
-        let (valid, rest) = bytes.split_at(error.valid_up_to());
-        let (line, column) = error::place(&String::from_utf8_lossy(valid), valid.len());
-        FormatError::NotUtf8 { line, column, byte: rest.first().copied().unwrap_or_default() }
-    })?;
+    let mut notes = Vec::new();
+    let text = text::decode(bytes, &mut notes)?;
+    let mut reading = open_text(&text, file_name, options)?;
+    reading.notes.splice(0..0, notes);
+    Ok(reading)
+}
+
+fn open_text(text: &str, file_name: Option<&str>, options: &ReadOptions) -> Result<Reading, FormatError> {
     let named_json = file_name
         .and_then(|name| name.rsplit_once('.'))
         .is_some_and(|(_, extension)| extension.eq_ignore_ascii_case("json"));
@@ -304,14 +313,6 @@ pub fn open(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
             Err(FormatError::Kind { kind: "XML or HTML" })
         };
     }
-    // Some programs end lines with a carriage return alone.
-    let returns_only;
-    let text = if text.contains('\r') && !text.contains('\n') {
-        returns_only = text.replace('\r', "\n");
-        &returns_only
-    } else {
-        text
-    };
     for (index, line) in text.lines().enumerate() {
         if line.len() > MAX_LINE_LENGTH {
             return Err(FormatError::LongLine { line: index + 1, length: line.len(), max: MAX_LINE_LENGTH });
@@ -320,18 +321,15 @@ pub fn open(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
     if let Some(table) = reference::read(text) {
         return table?.into_reading(FileFormat::Reference, options);
     }
-    match delimiter(text) {
-        Some(delimiter) => delimited::read(text, delimiter)?.into_reading(FileFormat::Delimited, options),
-        None => whitespace::read(text)?.into_reading(FileFormat::Text, options),
+    // Excel's first line may name the separator.
+    let (delimiter, text, first_line) = match delimited::named_separator(text) {
+        Some((delimiter, rest)) => (Some(delimiter), rest, 2),
+        None => (delimited::separator(text), text, 1),
+    };
+    match delimiter {
+        Some(delimiter) => delimited::read(text, delimiter, first_line)?.into_reading(FileFormat::Delimited, options),
+        None => whitespace::read(text, first_line)?.into_reading(FileFormat::Text, options),
     }
-}
-
-/// What separates the columns of the first line of data; `None` is blanks.
-fn delimiter(text: &str) -> Option<u8> {
-    let line = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'))?;
-    // Separators within quotes don't count.
-    let bare: String = line.split('"').step_by(2).collect();
-    [b'\t', b';', b','].into_iter().find(|&byte| bare.trim().contains(char::from(byte)))
 }
 
 /// Names pictures.
@@ -349,15 +347,10 @@ fn picture_kind(bytes: &[u8]) -> Option<&'static str> {
 
 /// Names well-known files that are not patterns, instead of complaining about their first byte.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
-    let known: [(&[u8], &str); 5] = [
+    let known: [(&[u8], &str); 3] = [
         (b"%PDF", "a PDF document"),
         (b"PK\x03\x04", "a ZIP archive or a spreadsheet (save the sheet as CSV)"),
         (b"\x1f\x8b", "a gzip archive"),
-        (b"\xff\xfe", "UTF-16 text (save it as UTF-8)"),
-        (b"\xfe\xff", "UTF-16 text (save it as UTF-8)"),
     ];
-    if let Some((_, kind)) = known.iter().find(|(start, _)| bytes.starts_with(start)) {
-        return Some(kind);
-    }
-    bytes.iter().take(1000).any(|&byte| byte == 0).then_some("binary data")
+    known.iter().find(|(start, _)| bytes.starts_with(start)).map(|&(_, kind)| kind)
 }

@@ -117,7 +117,7 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Reading, Forma
             let index = if fortran { column * rows + row } else { row * columns + column };
             kind.cell(&data[index * kind.size..(index + 1) * kind.size])
         };
-        table.push(Row { place: RowPlace::Entry(row + 1, None), cells: (0..columns).map(number).collect() })?;
+        table.push(Row::new(RowPlace::Entry(row + 1, None), (0..columns).map(number)))?;
     }
     table.into_reading(FileFormat::Npy, options)
 }

@@ -4,6 +4,9 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
+use super::Note;
+use crate::pattern::{Domain, PatternError};
+
 /// Words and coordinates of a file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, rename_all = "kebab-case")]
@@ -54,6 +57,52 @@ impl Projection {
         let across = SEMI_MAJOR_AXIS / bend.sqrt();
         let along = across * (1.0 - eccentricity) / bend;
         DVec2::new(across * cosine, along) * (std::f64::consts::PI / 180.0)
+    }
+
+    /// Of degrees about their middle; none where a plane can't hold them, or where they are no degrees. What was done is noted.
+    pub(super) fn decide(positions: &[DVec2], keeps_degrees: bool) -> (Option<Self>, Option<Note>) {
+        /// Beyond so many degrees a plane is wrong by tens of percent.
+        const WIDEST: f64 = 20.0;
+        let low = positions.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+        let high = positions.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
+        let is_on_earth = low.x >= -180.0 && high.x <= 180.0 && low.y >= -90.0 && high.y <= 90.0;
+        let middle = (low + high) / 2.0;
+        let span = (high - low).max_element();
+        let projection = Self { longitude: middle.x, latitude: middle.y };
+        if !is_on_earth {
+            return (None, None);
+        }
+        if span > WIDEST || projection.metres_a_degree().x < 1000.0 {
+            let text = format!(
+                "The coordinates span {span:.0} degrees, more than a plane can hold, and were taken as they are. If they are \
+                 degrees, distances are wrong; project them first."
+            );
+            return (None, Some(Note::changed(text)));
+        }
+        if keeps_degrees {
+            let text = "Degrees were taken as they are, as if a degree of longitude were as long as one of latitude.";
+            return (None, Some(Note::changed(text)));
+        }
+        let text = format!(
+            "Degrees of longitude and latitude became metres about {:.4}° {}, {:.4}° {}, so that distances are right in every \
+             direction. --no-projection, or the choice in the import dialog, keeps degrees.",
+            middle.y.abs(),
+            if middle.y < 0.0 { "S" } else { "N" },
+            middle.x.abs(),
+            if middle.x < 0.0 { "W" } else { "E" }
+        );
+        (Some(projection), Some(Note::changed(text)))
+    }
+
+    /// The rectangle in metres of one in degrees: what lies in that lies in this.
+    pub(super) fn project_domain(self, domain: Domain) -> Result<Domain, PatternError> {
+        let (low, high) = (self.project(domain.min()), self.project(domain.max()));
+        let digit = low.abs().max(high.abs()) * f64::EPSILON;
+        let mut size = high - low;
+        for _ in 0..4 {
+            size += DVec2::select(high.cmpgt(low + size), digit, DVec2::ZERO);
+        }
+        Domain::new(low, size)
     }
 
     /// Metres east and north of the place, of degrees.

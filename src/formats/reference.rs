@@ -93,7 +93,7 @@ fn table<'a>(lines: impl Iterator<Item = (usize, Vec<&'a str>)>, ids: &[&str]) -
                 return Err(FormatError::Value { place: place.cell(column), name, value, allowed });
             }
         }
-        table.push(Row { place, cells: cells.into_iter().map(str::to_owned).collect() })?;
+        table.push(Row::new(place, cells))?;
     }
     Ok(table)
 }

@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use pointweave::analysis::{self, Analysis, Comparison, MarkError, Scales};
 
-use pointweave::formats::{self, ReadOptions};
+use pointweave::formats;
 use pointweave::{Domain, PointPattern};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::files;
+use crate::reading::{Opened, ReadArguments};
 use crate::settings::{self, BoundaryArgument};
 
 /// Measure a pattern, or judge an output by its exemplar.
@@ -50,6 +51,11 @@ pub(crate) struct AnalyzeArguments {
     /// Of the random patterns that both are compared with
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    reading: ReadArguments,
+    /// No word on what was left out of a file or looks odd
+    #[arg(short, long)]
+    quiet: bool,
     /// The rectangle A's points were cut from
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = settings::parse_domain)]
     domain: Option<Domain>,
@@ -89,12 +95,9 @@ pub(crate) fn run(arguments: &AnalyzeArguments) -> Result<(), Failure> {
     if stdin(&arguments.pattern) && arguments.output.as_deref().is_some_and(stdin) {
         return Err(Failure::Usage("A and B can't both be standard input".to_owned()));
     }
-    let options = |domain, boundary: Option<BoundaryArgument>| ReadOptions {
-        domain,
-        boundary: boundary.map(Into::into),
-        ..ReadOptions::default()
-    };
-    let pattern = files::read_pattern(&arguments.pattern, &options(arguments.domain, arguments.boundary))?;
+    let boundary = arguments.boundary.map(Into::into);
+    let reading = &arguments.reading;
+    let Opened { pattern, .. } = reading.open(&arguments.pattern, arguments.domain, boundary, arguments.quiet)?;
     let name = title(&arguments.pattern);
     match &arguments.output {
         None => {
@@ -109,8 +112,10 @@ pub(crate) fn run(arguments: &AnalyzeArguments) -> Result<(), Failure> {
             print(arguments.json, &One { scales, analysis: result, verdict }, one_table)
         }
         Some(path) => {
-            let options = options(arguments.output_domain, arguments.output_boundary);
-            let output = files::read_pattern(path, &options)?;
+            let boundary = arguments.output_boundary.map(Into::into);
+            // What is known of A's columns says nothing of B's.
+            let Opened { pattern: output, .. } =
+                reading.without_columns().open(path, arguments.output_domain, boundary, arguments.quiet)?;
             let other = title(path);
             let comparison = Comparison::of(&pattern, &output, arguments.seed)
                 .map_err(|error| Failure::Run(format!("{name} and {other} can't be compared: {error}")))?;

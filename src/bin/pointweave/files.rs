@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use pointweave::formats::style::{Look, Palette};
-use pointweave::formats::{self, Glyph, PngStyle, ReadOptions, SvgStyle};
+use pointweave::formats::{self, Glyph, Origin, PngStyle, ReadOptions, Reading, SvgStyle};
 use pointweave::{PointPattern, gallery};
 
 use crate::failure::Failure;
@@ -24,6 +24,8 @@ pub(crate) enum Format {
     Png,
     /// A NumPy array of doubles: x, y, the class's number where there are several, attributes.
     Npy,
+    /// GeoJSON points, in the coordinates and under the names of the exemplar's file.
+    Geojson,
 }
 
 /// How an SVG or PNG shows the points.
@@ -97,7 +99,7 @@ impl Output {
             (None, None) => Format::Csv,
             (None, Some(path)) => {
                 return Err(Failure::Usage(format!(
-                    "'{}' does not end in .csv, .json, .svg, .png or .npy; name it so or add --format",
+                    "'{}' does not end in .csv, .json, .geojson, .svg, .png or .npy; name it so or add --format",
                     path.display()
                 )));
             }
@@ -116,10 +118,11 @@ impl Output {
         self.path.as_ref().map_or("standard output".to_owned(), |path| path.display().to_string())
     }
 
-    /// Writes the pattern.
-    pub(crate) fn write(&self, pattern: &PointPattern, title: &str) -> Result<(), Failure> {
+    /// Writes the pattern, as the exemplar's file named and placed things where the format has names and places.
+    pub(crate) fn write(&self, pattern: &PointPattern, origin: &Origin, title: &str) -> Result<(), Failure> {
         let bytes = match self.format {
-            Format::Csv => formats::write_csv(pattern).into_bytes(),
+            Format::Csv => formats::write_csv_like(pattern, origin).into_bytes(),
+            Format::Geojson => formats::write_geojson(pattern, origin).into_bytes(),
             Format::Json => formats::write_json(pattern).into_bytes(),
             Format::Npy => formats::write_npy(pattern),
             Format::Svg => {
@@ -200,32 +203,28 @@ fn folder(path: &Path) -> &Path {
     }
 }
 
-/// The pattern that `IN` names: a file, `-` or `gallery:NAME`.
-pub(crate) fn read_pattern(input: &Path, options: &ReadOptions) -> Result<PointPattern, Failure> {
-    if let Some(name) = input.to_str().and_then(|text| text.strip_prefix("gallery:")) {
-        let pattern = find_entry(name)?.exemplar();
-        let Some(domain) = options.domain else {
-            return Ok(match options.boundary {
-                Some(boundary) => pattern.with_boundary(boundary),
-                None => pattern,
-            });
-        };
+/// What `IN` names, a file, `-` or `gallery:NAME`, and all that its reader tells.
+pub(crate) fn read(input: &Path, options: &ReadOptions) -> Result<Reading, Failure> {
+    let name = input_name(input);
+    if let Some(entry) = input.to_str().and_then(|text| text.strip_prefix("gallery:")) {
+        let pattern = find_entry(entry)?.exemplar();
         // Through a format, so that the one rule about domains holds here too.
         let options = ReadOptions {
-            domain: Some(domain),
+            domain: options.domain,
             boundary: options.boundary.or(Some(pattern.boundary())),
             ..ReadOptions::default()
         };
-        return formats::read(formats::write_json(&pattern).as_bytes(), None, &options)
-            .map_err(|error| Failure::Run(format!("'{}' can't be used: {error}", input.display())));
+        return formats::open(formats::write_json(&pattern).as_bytes(), None, &options)
+            .map_err(|error| Failure::Run(format!("{name} can't be used: {error}")));
     }
-    let (name, bytes) = if input.as_os_str() == "-" {
-        ("standard input".to_owned(), read_bytes(input, formats::MAX_BYTES as u64 + 1)?)
-    } else {
-        (format!("'{}'", input.display()), read_bytes(input, formats::MAX_BYTES as u64 + 1)?)
-    };
-    formats::read(&bytes, input.to_str(), options)
+    let bytes = read_bytes(input, formats::MAX_BYTES as u64 + 1)?;
+    formats::open(&bytes, input.to_str(), options)
         .map_err(|error| Failure::Run(format!("{name} can't be read: {error}")))
+}
+
+/// What a person calls an input in a sentence.
+pub(crate) fn input_name(input: &Path) -> String {
+    if input.as_os_str() == "-" { "standard input".to_owned() } else { format!("'{}'", input.display()) }
 }
 
 /// At most `limit` bytes of a file or, for `-`, of standard input.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use pointweave::formats::Origin;
 use pointweave::gallery;
 
 use crate::failure::Failure;
@@ -45,7 +46,7 @@ pub(crate) fn run(arguments: &GalleryArguments) -> Result<(), Failure> {
     let output = Output::new(arguments.output.as_deref(), arguments.format, arguments.png_size, &arguments.look)?;
     let pattern = arguments.seed.map_or_else(|| entry.exemplar(), |seed| entry.generate(seed));
     arguments.look.check(&pattern)?;
-    output.write(&pattern, entry.title)
+    output.write(&pattern, &Origin::default(), entry.title)
 }
 
 fn list() -> String {

@@ -4,11 +4,12 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use pointweave::Domain;
-use pointweave::formats::ReadOptions;
+use pointweave::formats::Origin;
 use pointweave::formats::link::{Link, LinkExemplar, read_link, write_link};
 
 use crate::failure::Failure;
 use crate::files::{self, Format, LookArguments, Output};
+use crate::reading::{Opened, ReadArguments};
 use crate::settings::{self, BoundaryArgument, Chosen, MethodArguments};
 
 /// Write and read share links.
@@ -49,6 +50,11 @@ struct EncodeArguments {
     /// What lies beyond the border of the exemplar
     #[arg(long, value_enum)]
     exemplar_boundary: Option<BoundaryArgument>,
+    #[command(flatten)]
+    reading: ReadArguments,
+    /// No word on what was left out or looks odd
+    #[arg(short, long)]
+    quiet: bool,
     /// What to put in front, as in https://example.org/
     #[arg(long, value_name = "ADDRESS", default_value = "")]
     base: String,
@@ -76,19 +82,16 @@ pub(crate) fn run(arguments: &LinkArguments) -> Result<(), Failure> {
 }
 
 fn encode(arguments: &EncodeArguments) -> Result<(), Failure> {
-    let options = ReadOptions {
-        domain: arguments.domain,
-        boundary: arguments.exemplar_boundary.map(Into::into),
-        ..ReadOptions::default()
-    };
-    let pattern = files::read_pattern(&arguments.input, &options)?;
+    let boundary = arguments.exemplar_boundary.map(Into::into);
+    let Opened { pattern, .. } =
+        arguments.reading.open(&arguments.input, arguments.domain, boundary, arguments.quiet)?;
     let Chosen { method, preset, overrides } = arguments.chosen.chosen()?;
     let parameters = method.parameters(&preset, &pattern, &overrides);
     let overrides = parameters.map_err(|error| Failure::Usage(error.to_string()))?;
 
     let name = arguments.input.to_str().and_then(|text| text.strip_prefix("gallery:"));
     let exemplar = match name {
-        Some(name) if options == ReadOptions::default() => LinkExemplar::named(name).map_err(failed)?,
+        Some(name) if arguments.domain.is_none() && boundary.is_none() => LinkExemplar::named(name).map_err(failed)?,
         _ => LinkExemplar::Points(pattern),
     };
     let written = write_link(&Link { method, exemplar, preset, overrides, notes: Vec::new() }).map_err(failed)?;
@@ -118,7 +121,7 @@ fn decode(arguments: &DecodeArguments) -> Result<(), Failure> {
     if let Some(cost) = link.method.definition().cost(&pattern, &parameters) {
         eprintln!("{} points in, {} out, at most {} iterations", pattern.len(), cost.points, cost.iterations);
     }
-    output.write(&pattern, &format!("{} points of a link", pattern.len()))
+    output.write(&pattern, &Origin::default(), &format!("{} points of a link", pattern.len()))
 }
 
 fn failed(error: pointweave::formats::link::LinkError) -> Failure {

@@ -8,6 +8,7 @@ mod files;
 mod gallery;
 mod link;
 mod memory;
+mod reading;
 mod settings;
 mod synth;
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use pointweave::Domain;
-use pointweave::formats::{self, Project, ReadOptions};
+use pointweave::formats::{self, Origin, Project, ReadOptions};
 use pointweave::methods;
 use pointweave::run::{Event, Plan, Run, RunError, StateTag};
 
@@ -15,6 +15,7 @@ use crate::device::{self, DEVICE_MEMORY, EngineArgument};
 use crate::failure::Failure;
 use crate::files::{self, Format, LookArguments, Output};
 use crate::memory;
+use crate::reading::{Opened, ReadArguments};
 use crate::settings::{self, BoundaryArgument, Chosen, METHOD_ARGUMENTS, MethodArguments};
 
 /// Most bytes of a saved state: the largest exemplar and output as JSON take a tenth of it.
@@ -35,7 +36,7 @@ pub(crate) struct SynthArguments {
     /// The exemplar: a file, - or gallery:NAME
     #[arg(value_name = "IN", required_unless_present = "resume")]
     input: Option<PathBuf>,
-    /// Where to write the result: .csv, .json, .svg, .png, .npy, or - for standard output [default: -]
+    /// Where to write the result: .csv, .json, .geojson, .svg, .png, .npy, or - for standard output [default: -]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// What to write, whatever the file is called [default: csv on standard output]
@@ -47,6 +48,8 @@ pub(crate) struct SynthArguments {
     #[command(flatten)]
     look: LookArguments,
 
+    #[command(flatten)]
+    reading: ReadArguments,
     #[command(flatten)]
     chosen: MethodArguments,
     /// The rectangle the exemplar's points were cut from
@@ -73,9 +76,9 @@ pub(crate) struct SynthArguments {
     save_state: Option<PathBuf>,
     /// Continue a saved run or the playground's project, exemplar and parameters included
     #[arg(long, value_name = "FILE", conflicts_with_all = METHOD_ARGUMENTS)]
-    #[arg(conflicts_with_all = ["input", "domain", "exemplar_boundary"])]
+    #[arg(conflicts_with_all = ["input", "domain", "exemplar_boundary", "columns", "no_projection", "strict"])]
     resume: Option<PathBuf>,
-    /// No progress bar
+    /// No progress bar, and no word on what was left out of a file or looks odd
     #[arg(short, long)]
     quiet: bool,
 }
@@ -109,7 +112,7 @@ pub(crate) fn run(arguments: SynthArguments) -> Result<(), Failure> {
     let memory_limit = arguments.max_memory.map_or_else(memory::default_limit, |megabytes| megabytes * 1_000_000);
 
     let started = Instant::now();
-    let mut run = begin(&arguments, memory_limit)?;
+    let (mut run, origin) = begin(&arguments, memory_limit)?;
     arguments.look.check(run.canvas().exemplar())?;
     let speaking = !arguments.quiet && stderr().is_terminal();
     let gpu = device::choose(arguments.engine)?;
@@ -126,7 +129,7 @@ pub(crate) fn run(arguments: SynthArguments) -> Result<(), Failure> {
         let state = run.state().map_err(|error| Failure::Run(format!("the state can't be saved: {error}")))?;
         files::write_file(path, state.as_bytes())?;
     }
-    output.write(&pattern, &format!("{} points, synthesised by Pointweave", pattern.len()))?;
+    output.write(&pattern, &origin, &format!("{} points, synthesised by Pointweave", pattern.len()))?;
     if speaking {
         let (iterations, time) = (run.progress().total_iterations, started.elapsed().as_secs_f64());
         eprintln!("{} points after {iterations} iterations in {time:.1} s: {}", pattern.len(), output.name());
@@ -142,45 +145,47 @@ pub(crate) fn use_threads(threads: u16) -> Result<(), Failure> {
         .map_err(|error| Failure::Run(format!("{threads} threads can't be started: {error}")))
 }
 
-/// A new run, or the saved one.
-fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<Box<dyn Run>, Failure> {
+/// A new run, or the saved one, and how the exemplar's file named and placed things.
+fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<(Box<dyn Run>, Origin), Failure> {
     if let Some(path) = &arguments.resume {
         // Its parameters come from a file, so a wrong one is no fault of the command line.
-        return methods::resume(&read_state(path)?, memory_limit)
+        let (state, origin) = read_state(path)?;
+        return methods::resume(&state, memory_limit)
+            .map(|run| (run, origin))
             .map_err(|error| match error {
                 RunError::State(reason) => format!("'{}' is not a saved state: {reason}", path.display()),
                 other => format!("'{}' can't be continued: {other}", path.display()),
             })
             .map_err(Failure::Run);
     }
-    let options = ReadOptions {
-        domain: arguments.domain,
-        boundary: arguments.exemplar_boundary.map(Into::into),
-        ..ReadOptions::default()
-    };
+    let boundary = arguments.exemplar_boundary.map(Into::into);
     // Without --resume the parser makes sure that there is an input.
     let input = arguments.input.as_deref().unwrap_or(Path::new("-"));
     // Checked before the input is read: a wrong command line is told first.
     let Chosen { method, preset, overrides } = arguments.chosen.chosen()?;
-    let exemplar = files::read_pattern(input, &options)?;
-    method.start(Plan { exemplar, preset, overrides }, memory_limit).map_err(|error| match error {
+    let Opened { pattern: exemplar, origin } =
+        arguments.reading.open(input, arguments.domain, boundary, arguments.quiet)?;
+    let run = method.start(Plan { exemplar, preset, overrides }, memory_limit).map_err(|error| match error {
         RunError::Parameter(error) => Failure::Usage(error.to_string()),
         other => Failure::Run(other.to_string()),
-    })
+    })?;
+    Ok((run, origin))
 }
 
-/// The text of a saved state, or of the one in a project.
-fn read_state(path: &Path) -> Result<String, Failure> {
+/// The text of a saved state, or of the one in a project, which knows the origin of its exemplar.
+fn read_state(path: &Path) -> Result<(String, Origin), Failure> {
     let bytes = files::read_bytes(path, MAX_STATE_BYTES + 1)?;
     if bytes.len() as u64 > MAX_STATE_BYTES {
         return Err(Failure::Run(format!("'{}' has more than {MAX_STATE_BYTES} bytes", path.display())));
     }
     let refuse = |reason: String| Err(Failure::Run(format!("'{}' is not a saved state: {reason}", path.display())));
     match formats::open(&bytes, None, &ReadOptions::default()).ok().and_then(|reading| reading.project) {
-        Some(Project { state: Some(state), .. }) => Ok(state),
+        Some(Project { state: Some(state), origin, .. }) => Ok((state, origin)),
         Some(Project { state: None, .. }) => refuse("the project holds no run".to_owned()),
         None => match String::from_utf8(bytes) {
-            Ok(text) => StateTag::of(&text).map_or_else(|error| refuse(error.to_string()), |_| Ok(text)),
+            Ok(text) => {
+                StateTag::of(&text).map_or_else(|error| refuse(error.to_string()), |_| Ok((text, Origin::default())))
+            }
             Err(error) => refuse(error.to_string()),
         },
     }
