@@ -27,6 +27,9 @@ function examples({ examples: values }) {
   return text.length > LONGEST_EXAMPLES ? `${text.slice(0, LONGEST_EXAMPLES - 1).trimEnd()}…` : text;
 }
 
+/** Whether a column's cells are places by themselves, as in `POINT (1 2)`. @param {Column | undefined} column */
+const isPlace = (column) => column !== undefined && !column.isNumeric && column.examples.some((cell) => /^\s*(SRID=\d+;)?\s*POINT\b/i.test(cell));
+
 /** @param {Part} part @returns {Role} */
 const roleOf = (part) => (part === 'radius' ? { kind: 'attribute', name: RADIUS } : { kind: part });
 
@@ -127,6 +130,11 @@ export class Columns {
   /** @param {Part} part @param {string} column empty for none */
   #assign(part, column) {
     const isAxis = part === 'x' || part === 'y';
+    if (isAxis && isPlace(this.#columns.find(({ name }) => name === column))) {
+      for (const axis of /** @type {const} */ (['x', 'y'])) this.#leave(axis);
+      this.#roles.set(column, { kind: 'place' });
+      return;
+    }
     const before = this.#column(part);
     const held = this.#roles.get(column);
     // One column for both is as good as none once another is chosen for one of them.
@@ -136,8 +144,15 @@ export class Columns {
     if (!before || before === column) return;
     // Axes that were the wrong way round are put right by one choice, and a slip by taking it back.
     this.#roles.set(before, LEFT_OUT);
+    if (!column) return;
     const isSwap = isAxis && (held?.kind === 'x' || held?.kind === 'y');
     this.#roles.set(before, isSwap ? held : this.#free(this.#guess.get(before)));
+  }
+
+  /** @param {Part} part */
+  #leave(part) {
+    const column = this.#column(part);
+    if (column) this.#roles.set(column, LEFT_OUT);
   }
 
   /** A role that may have been taken since: nothing then. @param {Role | undefined} role @returns {Role} */
@@ -155,7 +170,7 @@ export class Columns {
       return;
     }
     this.#hooks.choose({
-      ...(this.#hasPlaces && !place && { x, y }),
+      ...(this.#hasPlaces && { x: place || x, y: place || y }),
       class: this.#column('class'),
       attributes: this.#columns.flatMap(({ name }) => {
         const role = this.#roles.get(name);

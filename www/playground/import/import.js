@@ -329,6 +329,10 @@ export class Import {
     element('import-said').hidden = message === '';
     showExcerpt(element('import-place'), bytes, place);
     input('import-use').disabled = pattern === null;
+    // Nothing has been read yet: perhaps it is the file that is wrong.
+    const isNothing = preview === null && picture === null;
+    element('import-another').hidden = !isNothing;
+    element('import-use').hidden = isNothing;
     element('import-picture').hidden = picture === null;
     for (const id of ['import-facts', 'import-choices']) element(id).hidden = preview === null;
     if (preview) this.#showFacts(candidate, preview);
