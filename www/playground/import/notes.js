@@ -40,5 +40,6 @@ export function showNotes(notes) {
   list.hidden = notes.length === 0;
   list.replaceChildren(...notes.map(item));
   // A list that scrolls has to be reached by keyboard; one that does not is no stop on the way.
-  list.tabIndex = list.scrollHeight > list.clientHeight ? 0 : -1;
+  if (list.scrollHeight > list.clientHeight) list.tabIndex = 0;
+  else list.removeAttribute('tabindex');
 }
