@@ -238,9 +238,8 @@ fn json_that_is_refused() {
     refused("[[0, 0], [0, [1]]]", &["point 2 of the list, value 2", "\"[1]\""]);
     refused("[[0, 0], 5]", &["point 2 of the list is a number", "a list [x, y]"]);
     refused("[[0, 0], [0]]", &["point 2 of the list", "1 values"]);
-    refused("[{\"x\": 1}]", &["no 'y'"]);
-    refused("[{\"x\": 1, \"y\": 0}, {\"x\": 1}]", &["point 2 of the list has no 'y'"]);
-    refused("[{\"x\": 1, \"y\": 0}, {\"x\": 1, \"y\": 0, \"z\": 1}]", &["point 2", "'z'"]);
+    refused("[{\"x\": 1}]", &["no column is called 'y'"]);
+    refused("[{\"x\": 1, \"y\": 0}, [1, 2]]", &["point 2 of the list is a list", "an object like the first one"]);
     refused("{\"kind\": \"none we know\", \"features\": []}", &["neither 'points' nor 'positions'", "'features'"]);
     refused("{\"points\": 7}", &["'points' is a number"]);
     refused("{\"points\": [[0,0]], \"boundary\": \"torus\"}", &["\"torus\"", "\"periodic\""]);
@@ -377,15 +376,18 @@ fn geojson_points() {
         {"type": "Feature", "geometry": null, "properties": null}]}"#;
     let reading = opened(text);
     assert_eq!((reading.format, reading.is_domain_declared), (FileFormat::GeoJson, false));
-    assert_eq!(xy(&reading.pattern), [(13.0, 52.0), (14.0, 53.0), (15.0, 52.0)]);
+    let projection = reading.origin.projection.unwrap();
+    let degrees: Vec<DVec2> = reading.pattern.positions().iter().map(|&point| projection.unproject(point)).collect();
+    assert_eq!(degrees, [DVec2::new(13.0, 52.0), DVec2::new(14.0, 53.0), DVec2::new(15.0, 52.0)]);
     assert_eq!(class_of(&reading.pattern), ["oak", "elm", "elm"]);
     assert_eq!(reading.pattern.attributes(), [Attribute { name: "h".to_owned(), values: vec![3.0, 4.5, 4.5] }]);
-    noted(&reading, "2 shapes that are no points");
-    noted(&reading, "on a plane");
-    noted(&reading, "left out: n");
+    noted(&reading, "One shape that is no point");
+    noted(&reading, "One feature without a place");
+    noted(&reading, "became metres");
+    noted(&reading, "text: n");
 
     let point = opened(r#"{"type": "Point", "coordinates": [0.5, 0.25]}"#);
-    assert_eq!(xy(&point.pattern), [(0.5, 0.25)]);
+    assert_eq!(xy(&point.pattern), [(0.0, 0.0)], "about itself");
     let several = r#"{"type": "GeometryCollection", "geometries": [{"type": "Point", "coordinates": [0, 0]}, {"type": "LineString", "coordinates": [[0, 1]]}]}"#;
     assert_eq!(opened(several).pattern.len(), 1);
     // Numbers are classes too; more of them than there may be classes are a quantity.

@@ -254,7 +254,7 @@ fn parameters_are_told_by_their_difference_from_the_preset() {
 
 #[test]
 fn values_are_moved_into_their_ranges() {
-    let fragment = "v=1&preset=fast&channels=1e9&expansion-x=-5&seed=-1&scales=2.6&frequency=NaN&jitter-px=inf&start=grid\
+    let fragment = "v=1&preset=fast&exemplar=rings&channels=1e9&expansion-x=-5&seed=-1&scales=2.6&frequency=NaN&jitter-px=inf&start=grid\
                     &boundary=leaky&gram-weight=&unknown=7&embed=1&exemplar=rings&channels=1000000";
     let link = read_link(fragment).unwrap();
     let wanted = json!({ "channels": 160, "expansion-x": 0.25, "seed": 0, "scales": 3, "jitter-px": 2.0 });
@@ -264,7 +264,7 @@ fn values_are_moved_into_their_ranges() {
 
     for parameter in Method::Network.definition().describe().parameters {
         for value in ["-1e308", "1e308", "0.5", "-inf", "99999999999999999999"] {
-            let link = read_link(&format!("v=1&{}={value}", parameter.name)).unwrap();
+            let link = read_link(&format!("v=1&exemplar=rings&{}={value}", parameter.name)).unwrap();
             typed(&link).validate().unwrap();
             let mut overrides: Map<String, Value> = link.overrides.clone();
             let exemplar = pattern(&link);
@@ -273,17 +273,21 @@ fn values_are_moved_into_their_ranges() {
             Method::Network.parameters(&link.preset, &exemplar, &overrides).unwrap();
         }
     }
-    let tight = read_link("v=1&grid-min=256").unwrap();
+    let tight = read_link("v=1&grid-min=256&exemplar=rings").unwrap();
     assert_eq!(tight.overrides["grid-max"], json!(256), "what depends on another follows it");
 }
 
 #[test]
 fn defaults_and_refusals() {
     let rings = gallery::find("rings").unwrap().exemplar();
-    assert_eq!(pattern(&read_link("v=1").unwrap()), rings);
-    assert_eq!(read_link("v=1").unwrap().preset, "fast");
-    assert_eq!(read_link("v=1&method=weaving").unwrap().method, Method::Network, "version 1 knows no methods");
-    assert_eq!(read_link("v=2&method=network").unwrap(), read_link("v=1").unwrap());
+    assert_eq!(pattern(&read_link("v=1&exemplar=rings").unwrap()), rings);
+    assert_eq!(read_link("v=1&exemplar=rings").unwrap().preset, "fast");
+    assert_eq!(
+        read_link("v=1&method=weaving&exemplar=rings").unwrap().method,
+        Method::Network,
+        "version 1 knows no methods"
+    );
+    assert_eq!(read_link("v=2&method=network&exemplar=rings").unwrap(), read_link("v=1&exemplar=rings").unwrap());
     for (fragment, part) in [
         ("", "version \"\""),
         ("v=2", "the method \"\"; there is network"),
@@ -291,9 +295,12 @@ fn defaults_and_refusals() {
         ("v=3", "version \"3\""),
         ("exemplar=rings", "version"),
         ("v=1&exemplar=nope", "\"nope\""),
+        ("v=1", "names no exemplar and holds no points, so its end is missing"),
+        ("v=1&preset=balanced&seed=7", "ask for the whole link"),
+        ("v=1&exemplar=ri…", "shortened for show"),
         ("v=1&preset=good", "\"good\"; there are fast, balanced, best, paper"),
         ("v=1&points=", "inflated"),
-        ("v=1&points=Zm9v!", "base64url"),
+        ("v=1&points=Zm!9v", "base64url"),
         ("v=1&points=Zm9v", "inflated"),
         ("v=1&points=AwA", "end too soon"),
         ("v=1&domain=0,0,1&points=AwA", "x0,y0,x1,y1"),
@@ -309,6 +316,41 @@ fn defaults_and_refusals() {
     // A domain that a mail program has escaped.
     let fragment = write_link(&points(rich(1, 10))).unwrap().fragment;
     assert_eq!(read_link(&fragment.replace(',', "%2C")), read_link(&fragment));
+}
+
+#[test]
+fn links_that_were_sent_around() {
+    let link = Link { overrides: std::iter::once(("seed".to_owned(), json!(7))).collect(), ..points(white(3, 40)) };
+    let whole = write_link(&link).unwrap().fragment;
+    let read = read_link(&whole).unwrap();
+    assert_eq!((read.notes.len(), &read.overrides["seed"]), (0, &json!(7)));
+    let folded =
+        |end: &str| -> String { whole.as_bytes().chunks(76).map(|line| String::from_utf8_lossy(line) + end).collect() };
+    let escaped: String = whole.bytes().map(|byte| format!("%{byte:02X}")).collect();
+    for damaged in [
+        whole.replace('&', "&amp;"),
+        whole.replace('&', "&amp;amp;"),
+        whole.replace('&', "%26").replace('=', "%3D"),
+        whole.replace('=', "%253D").replace('&', "%2526"),
+        escaped.replace("%76%3D", "v%3D"),
+        folded("\n"),
+        folded("\r\n "),
+        folded("=\r\n").replace("&points=", "&points=3D").replace("v=1", "v=3D1"),
+        format!("{whole}."),
+        format!("<https://example.org/pointweave/#{whole}>"),
+        format!("“{whole}”,"),
+    ] {
+        let mended = read_link(&damaged).unwrap_or_else(|error| panic!("{damaged}: {error}"));
+        assert_eq!((&mended.exemplar, &mended.overrides), (&read.exemplar, &read.overrides), "{damaged}");
+        assert!(mended.notes.len() == 1 && mended.notes[0].text.contains("mended"), "{:?}", mended.notes);
+    }
+    // Signs of another base64, and its padding, are the same letters.
+    assert_eq!(read_link(&whole.replace('-', "+").replacen('_', "/", 1)).map(|link| link.exemplar), Ok(read.exemplar));
+    // Cut anywhere, it says so: no part of a link is taken for the whole.
+    for end in (1..whole.len()).step_by(7) {
+        let cut = &whole[..end];
+        assert!(read_link(cut).is_err(), "{cut}");
+    }
 }
 
 /// base64url of the bytes as deflate holds them when nothing is compressed.
@@ -455,7 +497,7 @@ fn links_keep_the_presets_they_were_made_with() {
             }
         }
     }
-    let later = read_link(&format!("v=1&presets={}", EDITION + 1)).unwrap();
+    let later = read_link(&format!("v=1&presets={}&exemplar=rings", EDITION + 1)).unwrap();
     assert!(later.notes[0].text.contains("later presets"), "{:?}", later.notes);
 }
 

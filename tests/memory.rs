@@ -83,6 +83,16 @@ fn no_file_and_no_link_takes_more_than_its_share() {
         ("commas", filled("", ",", "", 9_000)),
         ("rows", filled("x,y\n", "1,2\n", "", long)),
         ("columns", filled("", "1 ", "", 9_000)),
+        ("wide rows", filled("", &format!("{}1\n", "1,".repeat(900)), "", long)),
+        ("wide words", filled("", &format!("a{}\n", " a".repeat(900)), "", long)),
+        ("distinct words", {
+            let rows: String = (0..).map(|i| format!("{i:08x},")).take(long / 9 - 3000).collect();
+            let cells: Vec<&str> = rows.split_inclusive(',').collect();
+            cells.chunks(1000).take(19_000).map(|row| row.concat() + "\n").collect::<String>().into_bytes()
+        }),
+        ("UTF-16", [b"\xff\xfe".to_vec(), filled("", "1\0,\0002\0\n\0", "", long - 2)].concat()),
+        ("Latin-1", [filled("x,y,class\n", "1,2,a\n", "", long - 8), b"1,2,\xe9".to_vec()].concat()),
+        ("commented rows", filled("t,x,y\n", "#a,1,2\n", "", long)),
         ("blank rows", filled("", "\n", "", long)),
         ("quotes", filled("x,y\n\"", "\n", "", long)),
         ("lists", filled("[", "[],", "0]", long)),

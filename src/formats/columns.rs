@@ -157,7 +157,17 @@ struct Chooser<'a> {
 impl Chooser<'_> {
     /// Fills in the roles; tells whether the places are degrees, and what things were called.
     fn choose(&mut self) -> Result<(bool, Origin), FormatError> {
-        self.roles.splice(..self.table.fixed.len().min(self.roles.len()), self.table.fixed.iter().cloned());
+        let chosen = &self.options.columns;
+        for (column, role) in self.table.fixed.iter().enumerate().take(self.roles.len()) {
+            let is_chosen = match role {
+                Role::X => chosen.x.is_some(),
+                Role::Y => chosen.y.is_some(),
+                _ => false,
+            };
+            if !is_chosen {
+                self.roles[column] = role.clone();
+            }
+        }
         let is_in_degrees = self.choose_places()?;
         self.choose_class()?;
         self.choose_attributes()?;
@@ -204,7 +214,11 @@ impl Chooser<'_> {
     }
 
     fn list_of(&self, columns: impl Iterator<Item = usize>) -> String {
-        list(&columns.map(|column| clip(&self.called(column))).collect::<Vec<_>>())
+        let name = |column: usize| match self.names[column].trim() {
+            "" => format!("column {}", column + 1),
+            name => clip(name),
+        };
+        list(&columns.map(name).collect::<Vec<_>>())
     }
 
     fn place(&self, column: usize) -> super::Place {
@@ -250,7 +264,8 @@ impl Chooser<'_> {
                     .and_then(|column| column_names::place_name(&self.names[column]))
                     .is_some_and(|place| place.sureness == Sureness::Degrees)
             };
-            return Ok(self.table.is_in_degrees || names.into_iter().all(is_degrees));
+            let are_fixed = self.table.is_in_degrees && self.roles.starts_with(&self.table.fixed);
+            return Ok(are_fixed || names.into_iter().all(is_degrees));
         }
         if self.header.is_none() {
             self.guess_places()?;
@@ -370,7 +385,10 @@ impl Chooser<'_> {
             let name = clip(self.names[second].trim());
             return Err(FormatError::DuplicateColumn { place: self.place(second.max(first)), name });
         }
-        let by_name = named.into_iter().find(|&(rank, column)| rank == 0 || self.is_class(column, true));
+        // Many different numbers are a quantity, whatever they are called.
+        let may_be = |column: usize| self.surveys[column].words > 0 || self.surveys[column].distinct <= MAX_CLASSES;
+        let by_name =
+            named.into_iter().find(|&(rank, column)| rank == 0 && may_be(column) || self.is_class(column, true));
         let found = by_name.map(|(_, column)| column).or_else(|| {
             let is_text = |&column: &usize| self.surveys[column].words > 0 && self.is_class(column, false);
             free.iter().copied().find(is_text)

@@ -3,7 +3,7 @@
 use super::column_names::{self, Sureness};
 use super::error::clip;
 use super::note::counted;
-use super::number::is_missing;
+use super::number::{self, is_missing};
 use super::table::{Comment, Row, RowPlace, Table};
 use super::whitespace;
 use super::{FormatError, Note, ReadOptions};
@@ -53,6 +53,7 @@ impl Table {
         if let Some(header) = &mut header {
             self.name_row_names(header);
             self.take_units(header);
+            self.take_repeated(header);
             while header.names.len() > 2
                 && header.names.last().is_some_and(|name| name.trim().is_empty())
                 && self.rows.iter().all(|row| row.width() < header.names.len())
@@ -175,6 +176,9 @@ impl Table {
             };
             let row = Row::new(RowPlace::Line(comment.line), &cells);
             let fits = width.map_or(cells.len() >= 3, |width| cells.len() == width);
+            if fits && number::begins_with_error(&comment.text) {
+                return Some(row);
+            }
             let has_place = [x, y].iter().all(|&column| self.parse(row.cell(column)).is_some());
             (fits && has_place).then_some(row)
         };
@@ -185,7 +189,9 @@ impl Table {
             && (!self.rows.is_empty() || header.is_some() || self.comments.len() > 1);
         let found: Vec<(usize, Row)> =
             self.comments.iter().filter_map(|comment| is_row(comment).map(|row| (comment.before, row))).collect();
-        if first_is_text && (header.is_some() || self.rows.is_empty()) && !found.is_empty() {
+        let is_error = |comment: &Comment| number::begins_with_error(&comment.text);
+        let errors = self.comments.iter().any(is_error);
+        if (errors || first_is_text && (header.is_some() || self.rows.is_empty())) && !found.is_empty() {
             // Rows before the header are gone by now, so that only the order counts.
             let mut rows = std::mem::take(&mut self.rows);
             rows.extend(found.into_iter().map(|(_, row)| row));
@@ -225,6 +231,25 @@ impl Table {
             if sure && names.len() == self.rows.len() && (all_words || counts && self.rows.len() > 2) {
                 header.names.insert(0, String::new());
             }
+        }
+    }
+
+    /// Files that were put together have their header again in the middle.
+    fn take_repeated(&mut self, header: &Header) {
+        let is_header = |row: &Row| {
+            row.cells.len() == header.names.len()
+                && row.cells.iter().zip(&header.names).all(|(cell, name)| cell == name)
+        };
+        let before = self.rows.len();
+        let first = self.rows.iter().find(|row| is_header(row)).map(|row| row.place.name());
+        self.rows.retain(|row| !is_header(row));
+        if let Some(first) = first {
+            let rows = counted(
+                before - self.rows.len(),
+                "One row repeats the header and was",
+                "rows repeat the header and were",
+            );
+            self.notes.push(Note::left_out(format!("{rows} left out, the first {first}.")));
         }
     }
 

@@ -6,7 +6,11 @@
 //! [[0.5, 0.5], [0.25, 0.75]]
 //! {"points": [{"x": 0.5, "y": 0.5, "class": "oak", "radius": 0.1}], "domain": [0, 0, 1, 1], "boundary": "open"}
 //! ```
-//! Projects and GeoJSON are JSON too: see `project.rs` and `geojson.rs`.
+//! Records may stand one a line (NDJSON) or each behind a record separator (RFC 8142), and may have text and different members;
+//! tables of columns, as statistics programs write them, are read too. Projects and GeoJSON are JSON as well: see `project.rs`
+//! and `geojson.rs`.
+
+use std::collections::HashMap;
 
 use glam::DVec2;
 use serde::Deserialize as _;
@@ -15,10 +19,12 @@ use serde_json::{Map, Value};
 use super::declaration::Declared;
 use super::error::{FormatError, clip, place, places};
 use super::guess::Guess;
-use super::table::{Row, RowPlace, Table};
-use super::{FileFormat, ReadOptions, Reading, geojson, project};
+use super::table::{MAX_COLUMNS, Row, RowPlace, Table};
+use super::{FileFormat, ReadOptions, Reading, column_names, geojson, project};
 use crate::pattern::{Boundary, Domain, PatternError, PointPattern, RawPattern};
 
+/// In front of every text of a sequence (RFC 8142).
+pub(super) const RECORD_SEPARATOR: char = '\u{1e}';
 /// Most commas: every value but one costs a comma, and the largest pattern needs a tenth of this. It bounds the
 /// memory that nested empty lists could take.
 const MAX_COMMAS: usize = 3_000_000;
@@ -33,7 +39,35 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
             return Err(layout_at(Some(place(text, byte)), message));
         }
     }
-    match serde_json::from_str(text).map_err(|error| located(&error))? {
+    // RFC 8142 puts a record separator before every text of a sequence; within a text it can't stand.
+    let blanked;
+    let text = if text.contains(RECORD_SEPARATOR) {
+        blanked = text.replace(RECORD_SEPARATOR, " ");
+        &blanked
+    } else {
+        text
+    };
+    let mut stream = serde_json::Deserializer::from_str(text).into_iter::<Value>();
+    let first = stream.next().ok_or(FormatError::NoPoints)?.map_err(|error| located(&error))?;
+    if text[stream.byte_offset()..].trim().is_empty() {
+        drop(stream);
+        return whole(text, first, options);
+    }
+    let mut values = vec![first];
+    let mut starts = vec![text.len() - text.trim_start().len()];
+    loop {
+        let rest = &text[stream.byte_offset()..];
+        let start = text.len() - rest.trim_start().len();
+        let Some(value) = stream.next() else { break };
+        values.push(value.map_err(|error| located(&error))?);
+        starts.push(start);
+    }
+    sequence(values, &places(text, starts), options)
+}
+
+/// One value is the whole file.
+fn whole(text: &str, value: Value, options: &ReadOptions) -> Result<Reading, FormatError> {
+    match value {
         Value::Array(points) => {
             let places = entry_places(text, &[]);
             points_table(&points, &places, Declared::default())?.into_reading(FileFormat::Json, options)
@@ -45,23 +79,75 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
             own(text, options)
         }
         Value::Object(object) if geojson::is_geojson(&object) => geojson::read(text, &object, options),
+        Value::Object(object) if object.get("type").and_then(Value::as_str) == Some("Topology") => {
+            Err(layout(text, &["type"], "this is TopoJSON; export it as GeoJSON".to_owned()))
+        }
         Value::Object(object) => match object.get("points") {
             Some(Value::Array(points)) => {
                 let places = entry_places(text, &["points"]);
                 points_table(points, &places, declared(text, &object)?)?.into_reading(FileFormat::Json, options)
             }
             Some(other) => Err(layout(text, &["points"], format!("'points' is {}, but must be a list", kind(other)))),
-            None => {
-                let keys: Vec<_> = object.keys().map(|key| format!("'{key}'")).collect();
-                let found = clip(&keys.join(", "));
-                Err(layout(text, &[], format!("neither 'points' nor 'positions' is there; it holds {found}")))
-            }
+            None => lists(text, &object, options),
         },
         other => {
             let found = kind(&other);
             Err(layout(text, &[], format!("it is {found}, but must be a list of points or an object with 'points'")))
         }
     }
+}
+
+/// Objects of lists: a list for every column, as statistics programs write tables, or one list of points under any name.
+fn lists(text: &str, object: &Map<String, Value>, options: &ReadOptions) -> Result<Reading, FormatError> {
+    if let (Some(Value::Array(names)), Some(Value::Array(data))) = (object.get("columns"), object.get("data")) {
+        let mut table = points_table(data, &entry_places(text, &["data"]), declared(text, object)?)?;
+        table.header = Some(names.iter().map(cell).collect());
+        return table.into_reading(FileFormat::Json, options);
+    }
+    let columns: Vec<(&String, &Vec<Value>)> =
+        object.iter().filter_map(|(name, value)| Some((name, value.as_array()?))).collect();
+    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let rows = columns.first().map_or(0, |(_, values)| values.len());
+    if let [(name, points)] = columns[..]
+        && !points.is_empty()
+        && points.iter().all(|point| point.is_array() || point.is_object())
+    {
+        let places = entry_places(text, &[name]);
+        return points_table(points, &places, declared(text, object)?)?.into_reading(FileFormat::Json, options);
+    }
+    if column_names::place_columns(&names).is_some() {
+        if let Some((name, values)) = columns.iter().find(|(_, values)| values.len() != rows) {
+            let (first, name, count) = (clip(names[0]), clip(name), values.len());
+            return Err(layout(
+                text,
+                &[name.as_str()],
+                format!("'{name}' has {count} values, but '{first}' has {rows}"),
+            ));
+        }
+        let mut table = Table::new(declared(text, object)?);
+        table.header = Some(names.iter().map(|name| (*name).to_owned()).collect());
+        for row in 0..rows {
+            let cells = columns.iter().map(|(_, values)| cell(&values[row]));
+            table.push(Row::new(RowPlace::Entry(row + 1, None), cells))?;
+        }
+        return table.into_reading(FileFormat::Json, options);
+    }
+    let keys: Vec<_> = object.keys().map(|key| format!("'{key}'")).collect();
+    let found = clip(&keys.join(", "));
+    Err(layout(text, &[], format!("neither 'points' nor 'positions' is there; it holds {found}")))
+}
+
+/// One value a line, or one behind another: features, records, or lists of coordinates.
+fn sequence(values: Vec<Value>, places: &[(usize, usize)], options: &ReadOptions) -> Result<Reading, FormatError> {
+    let is_feature = |value: &Value| value.as_object().is_some_and(geojson::is_geojson);
+    if values.iter().all(is_feature) {
+        return geojson::read_sequence(&values, places, options);
+    }
+    if let (true, Some(other)) = (is_feature(&values[0]), values.iter().position(|value| !is_feature(value))) {
+        let message = format!("value {} of the file is no GeoJSON, but those before it are", other + 1);
+        return Err(layout_at(places.get(other).copied(), message));
+    }
+    points_table(&values, places, Declared::default())?.into_reading(FileFormat::Json, options)
 }
 
 /// Writes a pattern as JSON that reads back as the same pattern, digit by digit.
@@ -121,51 +207,87 @@ pub(super) fn misfit(text: &str, path: &[&str], error: &PatternError) -> FormatE
     layout_at(at.or_else(|| member_place(text, &path[..path.len() - 1])), error.to_string())
 }
 
-/// `[x, y, …]` or `{"x": …, "y": …, …}`, as rows of the same table that text files give.
+/// `[x, y, …]` or `{"x": …, "y": …, …}`, as rows of the same table that text files give. Records may have different members;
+/// what one lacks is missing there.
 fn points_table(points: &[Value], places: &[(usize, usize)], declared: Declared) -> Result<Table, FormatError> {
     let mut table = Table::new(declared);
-    let mut keys: Vec<&str> = Vec::new();
-    if let Some(Value::Object(first)) = points.first() {
-        keys = first.keys().map(String::as_str).collect();
-        for name in ["x", "y"] {
-            if !keys.iter().any(|key| key.eq_ignore_ascii_case(name)) {
-                let found = clip(&keys.join(", "));
-                let message = format!("point 1 of the list has no '{name}'; it has {found}");
-                return Err(layout_at(places.first().copied(), message));
-            }
-        }
-        table.push(Row {
-            place: RowPlace::Entry(1, places.first().copied()),
-            cells: keys.iter().map(|key| (*key).to_owned()).collect(),
-        })?;
-    }
+    let are_records = matches!(points.first(), Some(Value::Object(_)));
+    let mut names = Names::default();
     for (index, point) in points.iter().enumerate() {
         let at = places.get(index).copied();
         let place = RowPlace::Entry(index + 1, at);
-        let wrong = |message: String| layout_at(at, format!("point {} of the list {message}", index + 1));
         let cells: Vec<String> = match point {
-            Value::Array(values) if keys.is_empty() => values.iter().map(cell).collect(),
-            Value::Object(values) if !keys.is_empty() => {
-                if let Some(extra) = values.keys().find(|key| !keys.contains(&key.as_str())) {
-                    return Err(wrong(format!("has '{}', which the first one does not have", clip(extra))));
+            Value::Array(values) if !are_records => values.iter().map(cell).collect(),
+            Value::Object(members) if are_records => {
+                let mut cells = vec![String::new(); names.list.len()];
+                for (name, value) in members {
+                    names.fill(name, value, &mut cells, 0);
                 }
-                let value = |key: &&str| {
-                    values
-                        .get(*key)
-                        .map(cell)
-                        .ok_or_else(|| wrong(format!("has no '{}'; the first one has it", clip(key))))
-                };
-                keys.iter().map(value).collect::<Result<_, _>>()?
+                if names.list.len() > MAX_COLUMNS {
+                    return Err(FormatError::TooMany { place: place.cell(0), what: "members", max: MAX_COLUMNS });
+                }
+                cells
             }
             other => {
-                let wanted =
-                    if keys.is_empty() { "a list [x, y]" } else { "an object with 'x' and 'y' like the first one" };
-                return Err(wrong(format!("is {}, but must be {wanted}", kind(other))));
+                let wanted = if are_records { "an object like the first one" } else { "a list [x, y]" };
+                let found = kind(other);
+                let message = format!("point {} of the list is {found}, but must be {wanted}", index + 1);
+                return Err(layout_at(at, message));
             }
         };
-        table.push(Row::new(place, cells))?;
+        table.push_even_blank(Row::new(place, &cells))?;
+    }
+    if are_records {
+        table.header = Some(names.list);
     }
     Ok(table)
+}
+
+/// The members of records, in the order they appear in.
+#[derive(Default)]
+struct Names {
+    list: Vec<String>,
+    columns: HashMap<String, usize>,
+}
+
+impl Names {
+    /// Puts a member into its cell. Places may lie within: `"position": [1, 2]`, `"location": {"x": 1, "y": 2}`, or a point of
+    /// GeoJSON.
+    fn fill(&mut self, name: &str, value: &Value, cells: &mut Vec<String>, depth: usize) {
+        match value {
+            Value::Object(members) if depth == 0 && members.get("coordinates").is_some_and(Value::is_array) => {
+                self.fill(name, &members["coordinates"], cells, depth + 1);
+            }
+            Value::Object(members) if depth == 0 => {
+                for (inner, value) in members {
+                    self.fill(&format!("{name}.{inner}"), value, cells, depth + 1);
+                }
+            }
+            Value::Array(values) if (2..=3).contains(&values.len()) && values.iter().all(Value::is_number) => {
+                for (axis, value) in ["x", "y", "z"].into_iter().zip(values) {
+                    self.put(format!("{name}.{axis}"), cell(value), cells);
+                }
+            }
+            other => self.put(name.to_owned(), cell(other), cells),
+        }
+    }
+
+    fn put(&mut self, name: String, text: String, cells: &mut Vec<String>) {
+        let column = match self.columns.get(&name) {
+            Some(&column) => column,
+            // Beyond the cap names need not be kept: the record is refused.
+            None if self.list.len() > MAX_COLUMNS => return,
+            None => {
+                self.columns.insert(name.clone(), self.list.len());
+                self.list.push(name);
+                self.list.len() - 1
+            }
+        };
+        if cells.len() <= column {
+            cells.resize(column + 1, String::new());
+        }
+        cells[column] = text;
+    }
 }
 
 /// A JSON value as the text of a cell.

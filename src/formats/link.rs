@@ -12,12 +12,13 @@
 //! | `preset` | `fast` when left out |
 //! | `presets` | edition of the presets' values, see [`crate::run::Definition::edition`]; 1 when left out |
 //! | a parameter's name | its value, where it differs from the preset's as it suits the exemplar |
-//! | `exemplar` | name of a built-in exemplar; `rings` when there are no points either |
+//! | `exemplar` | name of a built-in exemplar, where there are no points |
 //! | `points` | the exemplar's points, see below |
 //! | `domain` | their rectangle, `x0,y0,x1,y1`; the unit square when left out |
 //! | `exemplar-boundary` | `open` when left out |
 //!
-//! Other keys belong to others, and are ignored. Values out of range are moved to the nearest allowed one.
+//! Other keys belong to others, and are ignored. Values out of range are moved to the nearest allowed one. What mail and chat
+//! do to links is undone where there is no doubt (`mend.rs`); a link that was cut short is refused.
 //!
 //! # Points
 //! base64url (RFC 4648, without padding) of raw deflate (RFC 1951) of, one after the other:
@@ -50,6 +51,7 @@
 //! A link that was ever made can be read for ever: what these layouts can't say will be another version.
 
 mod bits;
+mod mend;
 mod points;
 
 use glam::DVec2;
@@ -76,7 +78,6 @@ const FIRST_VERSION: &str = "1";
 const SECOND_VERSION: &str = "2";
 /// What links that say nothing mean.
 const FIRST_EDITION: u32 = 1;
-const DEFAULT_EXEMPLAR: &str = "rings";
 const DEFAULT_PRESET: &str = "fast";
 
 /// Why a link was refused.
@@ -119,6 +120,14 @@ pub enum LinkError {
     /// The points can't be read.
     #[error("the link's points can't be read: {0}; perhaps a part of the link is missing")]
     Points(&'static str),
+    /// Neither an exemplar nor points.
+    #[error(
+        "the link names no exemplar and holds no points, so its end is missing: ask for the whole link, or for a file"
+    )]
+    Nothing,
+    /// Dots in place of a part.
+    #[error("the link ends in dots: it was shortened for show. Copy the link itself instead of the words that show it")]
+    Shortened,
     /// They can be read, but are no pattern.
     #[error("the link's points can't be used: {0}")]
     Pattern(#[from] PatternError),
@@ -338,9 +347,15 @@ fn link_text(link: &Link) -> Result<String, LinkError> {
 /// # Errors
 /// What is wrong with it, for a person.
 pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
-    let fragment = fragment.strip_prefix('#').unwrap_or(fragment);
+    let too_long = |text: &str, max: usize| Err(LinkError::TooLong { length: text.len(), max });
+    // Escapes make a link longer before they are undone.
+    if fragment.len() > 4 * MAX_LENGTH {
+        return too_long(fragment, MAX_LENGTH);
+    }
+    let (mended, mut notes) = mend::mend(fragment)?;
+    let fragment = mended.strip_prefix('#').unwrap_or(&mended);
     if fragment.len() > MAX_LENGTH {
-        return Err(LinkError::TooLong { length: fragment.len(), max: MAX_LENGTH });
+        return too_long(fragment, MAX_LENGTH);
     }
     let pairs: Vec<(&str, String)> = fragment
         .split('&')
@@ -368,13 +383,15 @@ pub fn read_link(fragment: &str) -> Result<Link, LinkError> {
                 Some("periodic") => Boundary::Periodic,
                 _ => Boundary::Open,
             };
+            // base64 as most programs write it differs in two signs.
+            let points = &points.replace('+', "-").replace('/', "_");
             let deflated = unbase64(points).ok_or(LinkError::Points("a character is none of base64url's"))?;
             LinkExemplar::Points(Sheet::inflated(&deflated)?.pattern(domain)?.with_boundary(boundary))
         }
-        None => LinkExemplar::named(get("exemplar").unwrap_or(DEFAULT_EXEMPLAR))?,
+        None => LinkExemplar::named(get("exemplar").ok_or(LinkError::Nothing)?)?,
     };
 
-    let (mut overrides, mut notes) = (Map::new(), Vec::new());
+    let mut overrides = Map::new();
     for parameter in description.parameters {
         let name = parameter.name;
         let Some(text) = get(name) else { continue };

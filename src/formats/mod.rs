@@ -303,7 +303,9 @@ fn open_text(text: &str, file_name: Option<&str>, options: &ReadOptions) -> Resu
     if text.trim().is_empty() {
         return Err(FormatError::NoPoints);
     }
-    if text.trim_start().starts_with(['{', '[']) || named_json {
+    if text.trim_start_matches(|c: char| c.is_whitespace() || c == json::RECORD_SEPARATOR).starts_with(['{', '['])
+        || named_json
+    {
         return json::read(text, options);
     }
     if text.trim_start().starts_with('<') {

@@ -3,11 +3,20 @@
 /// Ways to write that no value is there, in small letters.
 const MISSING: [&str; 13] = ["", "na", "n/a", "nan", "null", "none", "nil", "-", "--", "?", "#n/a", "#na", "missing"];
 
+/// What spreadsheets write for a formula without a value, behind the sign `#`.
+const ERRORS: [&str; 7] = ["N/A", "REF!", "VALUE!", "DIV/0!", "NAME?", "NULL!", "NUM!"];
+
 /// Whether a cell says that there is no value.
 pub(super) fn is_missing(cell: &str) -> bool {
     let cell = cell.trim();
     // Longer ones are not in the list, and need not be written in small letters first.
     cell.len() <= 7 && MISSING.contains(&cell.to_ascii_lowercase().as_str())
+        || cell.strip_prefix('#').is_some_and(|rest| ERRORS.contains(&rest))
+}
+
+/// Whether what follows a `#` is a spreadsheet's error, and not a comment.
+pub(super) fn begins_with_error(rest: &str) -> bool {
+    ERRORS.iter().any(|error| rest.strip_prefix(error).is_some_and(|after| !after.starts_with(char::is_alphanumeric)))
 }
 
 /// How the commas of a table are to be read.
@@ -22,7 +31,7 @@ pub(super) enum Comma {
     Thousands,
 }
 
-/// A finite number, or none. Minus may be U+2212, as typesetting programs write it.
+/// A finite number, or none. Minus may be U+2212, as typesetting programs write it, and an exponent Fortran's.
 pub(super) fn parse(cell: &str, comma: Comma) -> Option<f64> {
     let cell = cell.trim();
     // Rust reads the words for infinity and NaN as numbers.
@@ -41,6 +50,8 @@ pub(super) fn parse(cell: &str, comma: Comma) -> Option<f64> {
             // Seldom, and what it costs is not paid by every number.
             Err(_) => {
                 let plain = cell.replace(['\u{2212}', '\u{fe63}', '\u{ff0d}'], "-");
+                // Fortran's exponents of doubles.
+                let plain = plain.replace("D+", "e+").replace("D-", "e-");
                 if plain == cell {
                     return None;
                 }
@@ -75,6 +86,7 @@ mod tests {
             (" -1e3 ", Comma::None, Some(-1000.0)),
             ("\u{2212}43.14", Comma::None, Some(-43.14)),
             ("1e\u{2212}3", Comma::None, Some(0.001)),
+            ("0.25D+02", Comma::None, Some(25.0)),
             ("0,5", Comma::Decimal, Some(0.5)),
             ("\u{2212}0,5", Comma::Decimal, Some(-0.5)),
             ("0,5", Comma::None, None),

@@ -96,13 +96,7 @@ impl Projection {
 
     /// The rectangle in metres of one in degrees: what lies in that lies in this.
     pub(super) fn project_domain(self, domain: Domain) -> Result<Domain, PatternError> {
-        let (low, high) = (self.project(domain.min()), self.project(domain.max()));
-        let digit = low.abs().max(high.abs()) * f64::EPSILON;
-        let mut size = high - low;
-        for _ in 0..4 {
-            size += DVec2::select(high.cmpgt(low + size), digit, DVec2::ZERO);
-        }
-        Domain::new(low, size)
+        Domain::spanning(self.project(domain.min()), self.project(domain.max()))
     }
 
     /// Metres east and north of the place, of degrees.

@@ -15,7 +15,8 @@ use super::number::{self, Comma, is_missing};
 use super::origin::Projection;
 use super::{FileFormat, Note, ReadOptions, Reading, column_names};
 use crate::pattern::{
-    Attribute, Boundary, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PatternError, PointPattern, check_name,
+    Attribute, Boundary, Domain, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PatternError, PointPattern, Window,
+    check_name,
 };
 
 /// Most columns of a table, skipped ones included.
@@ -140,6 +141,8 @@ pub(super) struct Table {
     pub(super) divisor: f64,
     /// Whether places are degrees of longitude and latitude: known of GeoJSON, read from names otherwise.
     pub(super) is_in_degrees: bool,
+    /// Closed lines of areas in the file: where they are around the points, they are the window.
+    pub(super) rings: Vec<Vec<DVec2>>,
     pub(super) notes: Vec<Note>,
 }
 
@@ -156,15 +159,18 @@ impl Table {
             comma: Comma::None,
             divisor: 1.0,
             is_in_degrees: false,
+            rings: Vec::new(),
             notes: Vec::new(),
         }
     }
 
     /// Adds a row; blank ones are left out.
     pub(super) fn push(&mut self, row: Row) -> Result<(), FormatError> {
-        if row.is_blank() {
-            return Ok(());
-        }
+        if row.is_blank() { Ok(()) } else { self.push_even_blank(row) }
+    }
+
+    /// Adds a row also where it has no value: an entry of a list is one all the same.
+    pub(super) fn push_even_blank(&mut self, row: Row) -> Result<(), FormatError> {
         if row.cells.len() > MAX_COLUMNS && row.width() > MAX_COLUMNS {
             return Err(FormatError::TooMany { place: row.place.cell(MAX_COLUMNS), what: "columns", max: MAX_COLUMNS });
         }
@@ -244,14 +250,22 @@ impl Table {
             }
         }
 
+        if let Some(list) = &options.columns.attributes {
+            attributes.sort_by_key(|attribute: &Attribute| list.iter().position(|(name, _)| *name == attribute.name));
+        }
+
         let mut origin = origin;
         let mut declared = self.declared.domain;
         if is_in_degrees && let Some(projection) = self.projection(&positions, options) {
             positions.iter_mut().for_each(|point| *point = projection.project(*point));
             declared = declared.map(|domain| projection.project_domain(domain)).transpose()?;
+            let project = |corner: &mut DVec2| *corner = projection.project(*corner);
+            self.rings.iter_mut().flatten().for_each(project);
             origin.projection = Some(projection);
         }
-        let declared = options.domain.or(declared);
+        let window = self.window(&positions);
+        let outline = window.as_ref().and_then(|window| bounding_domain(window.rings()));
+        let declared = options.domain.or(declared).or(outline);
         let guess = match declared {
             Some(domain) => Guess { domain, choices: Vec::new(), notes: Vec::new() },
             None => Guess::of(&positions)?,
@@ -277,6 +291,8 @@ impl Table {
         reading.is_domain_declared = declared.is_some();
         reading.domains = guess.choices;
         reading.columns = columns;
+        // An outline that is the whole rectangle says no more than that.
+        reading.window = window.filter(|window| !is_rectangle(window.rings()));
         if header.is_some() {
             reading.origin = origin;
         }
@@ -419,6 +435,42 @@ impl Table {
         Ok(())
     }
 
+    /// The outline in the file, where it is around the points.
+    fn window(&mut self, positions: &[DVec2]) -> Option<Window> {
+        let rings = std::mem::take(&mut self.rings);
+        if rings.is_empty() {
+            return None;
+        }
+        let shapes = counted(rings.len(), "The outline", "outlines");
+        let inside = |point: &DVec2| {
+            let crossings = rings.iter().map(|ring| crossings(ring, *point)).sum::<usize>();
+            crossings % 2 == 1
+        };
+        // A point on the line counts as inside.
+        let extent = bounding_domain(&rings)?.exemplar_unit();
+        let is_near = |point: &DVec2| rings.iter().any(|ring| distance(ring, *point) <= 1e-9 * extent);
+        let outside = positions.iter().filter(|point| !inside(point) && !is_near(point)).count();
+        let is = if rings.len() == 1 { "is" } else { "are" };
+        if outside > 0 {
+            let points = counted(outside, "one point lies", "points lie");
+            let was = if rings.len() == 1 { "was" } else { "were" };
+            self.notes.push(Note::left_out(format!("{shapes} of an area {was} left out: {points} outside.")));
+            return None;
+        }
+        match Window::new(rings) {
+            Ok(window) => {
+                self.notes.push(Note::changed(format!(
+                    "{shapes} of an area in the file {is} the window of the points: the rectangle around it is the domain."
+                )));
+                Some(window)
+            }
+            Err(error) => {
+                self.notes.push(Note::left_out(format!("{shapes} of an area in the file was left out: {error}.")));
+                None
+            }
+        }
+    }
+
     /// The projection of degrees, where these are degrees of one place on a plane, and are not to be kept.
     fn projection(&mut self, positions: &[DVec2], options: &ReadOptions) -> Option<Projection> {
         let (projection, note) = Projection::decide(positions, options.keeps_degrees);
@@ -502,6 +554,50 @@ impl Table {
         let names = kept.into_iter().map(name).chain([OTHER_CLASS.to_owned()]).collect();
         Gathered { names, of }
     }
+}
+
+/// How often a line from a place to the right crosses a closed one.
+fn crossings(ring: &[DVec2], at: DVec2) -> usize {
+    let mut before = ring.last().copied().unwrap_or_default();
+    let mut count = 0;
+    for &corner in ring {
+        if (before.y > at.y) != (corner.y > at.y) {
+            let x = before.x + (at.y - before.y) / (corner.y - before.y) * (corner.x - before.x);
+            count += usize::from(at.x < x);
+        }
+        before = corner;
+    }
+    count
+}
+
+/// From a place to the nearest one of a closed line.
+fn distance(ring: &[DVec2], at: DVec2) -> f64 {
+    let mut before = ring.last().copied().unwrap_or_default();
+    let mut least = f64::INFINITY;
+    for &corner in ring {
+        let (side, offset) = (corner - before, at - before);
+        let share = (offset.dot(side) / side.length_squared()).clamp(0.0, 1.0);
+        least = least.min((offset - side * if share.is_finite() { share } else { 0.0 }).length());
+        before = corner;
+    }
+    least
+}
+
+/// The rectangle around closed lines.
+fn bounding_domain(rings: &[Vec<DVec2>]) -> Option<Domain> {
+    let corners = || rings.iter().flatten().copied();
+    let low = corners().fold(DVec2::INFINITY, DVec2::min);
+    let high = corners().fold(DVec2::NEG_INFINITY, DVec2::max);
+    Domain::spanning(low, high).ok()
+}
+
+/// Whether closed lines are one rectangle along the axes.
+fn is_rectangle(rings: &[Vec<DVec2>]) -> bool {
+    let [ring] = rings else { return false };
+    let Some(domain) = bounding_domain(rings) else { return false };
+    let (low, high) = (domain.min(), domain.max());
+    let is_corner = |point: &DVec2| (point.x == low.x || point.x == high.x) && (point.y == low.y || point.y == high.y);
+    ring.len() == 4 && ring.iter().all(is_corner)
 }
 
 /// Classes within the cap.

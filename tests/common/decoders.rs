@@ -7,7 +7,7 @@ use pointweave::PatternError;
 use pointweave::formats::link::{Link, LinkExemplar, Written, read_link, write_link};
 use pointweave::formats::{
     BlobOptions, FormatError, Ink, Picture, Preview, ReadOptions, Reading, SvgStyle, find_blobs, open, write_csv,
-    write_json, write_npy, write_svg,
+    write_csv_like, write_geojson, write_json, write_npy, write_svg,
 };
 
 /// Reads, and looks at everything there is to see of the result.
@@ -34,6 +34,13 @@ pub fn text(bytes: &[u8]) {
     if let Some(reading) = look(bytes, "a.csv") {
         let again = open(write_csv(&reading.pattern).as_bytes(), None, &ReadOptions::default()).expect("our own CSV");
         assert_eq!(again.pattern, reading.pattern);
+        // In the words of the file the classes may be named by a column that only a person can tell.
+        let like = write_csv_like(&reading.pattern, &reading.origin);
+        let again = open(like.as_bytes(), None, &ReadOptions::default()).expect("CSV like the file");
+        assert_eq!(again.pattern.len(), reading.pattern.len());
+        if reading.origin.projection.is_none() {
+            assert_eq!(again.pattern.positions(), reading.pattern.positions());
+        }
     }
 }
 
@@ -42,6 +49,10 @@ pub fn json(bytes: &[u8]) {
     if let Some(reading) = look(bytes, "a.json") {
         let again = open(write_json(&reading.pattern).as_bytes(), None, &ReadOptions::default()).expect("our own JSON");
         assert_eq!(again.pattern, reading.pattern);
+        let written = write_geojson(&reading.pattern, &reading.origin);
+        let again = open(written.as_bytes(), None, &ReadOptions::default()).expect("our own GeoJSON");
+        assert_eq!(again.pattern.classes(), reading.pattern.classes());
+        assert_eq!(again.pattern.attributes(), reading.pattern.attributes());
     }
 }
 

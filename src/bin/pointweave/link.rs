@@ -104,8 +104,7 @@ fn encode(arguments: &EncodeArguments) -> Result<(), Failure> {
 
 fn decode(arguments: &DecodeArguments) -> Result<(), Failure> {
     let output = Output::new(arguments.output.as_deref(), arguments.format, 1024, &LookArguments::default())?;
-    let fragment = arguments.link.split_once('#').map_or(arguments.link.as_str(), |(_, fragment)| fragment);
-    let link = read_link(fragment.trim()).map_err(failed)?;
+    let link = read_link(&arguments.link).map_err(failed)?;
     let parameters = link.parameters().map_err(failed)?;
     let Some(pattern) = link.exemplar.pattern() else {
         return Err(Failure::Run("the link's exemplar is not in the gallery".to_owned()));
