@@ -43,7 +43,8 @@ fn names(folder: &Folder) -> Vec<String> {
 /// Runs a tiny synthesis that must succeed in silence; returns standard output.
 #[track_caller]
 fn synth(arguments: &[&str], input: &[u8]) -> Vec<u8> {
-    let output = run(&[&["synth"], arguments, &TINY[..]].concat(), input);
+    // What a reader says of a few points is looked at elsewhere.
+    let output = run(&[&["synth", "--quiet"], arguments, &TINY[..]].concat(), input);
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!((output.status.code(), &*words), (Some(0), ""), "{arguments:?}");
     output.stdout
@@ -52,7 +53,8 @@ fn synth(arguments: &[&str], input: &[u8]) -> Vec<u8> {
 /// The command must end with `code` and say all of `parts`, in one line, with nothing on standard output.
 #[track_caller]
 fn refused(arguments: &[&str], input: &[u8], code: i32, parts: &[&str]) {
-    let output = run(arguments, input);
+    let quiet: &[&str] = if arguments.first() == Some(&"synth") { &["--quiet"] } else { &[] };
+    let output = run(&[arguments, quiet].concat(), input);
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {words}");
     assert!(output.stdout.is_empty());
@@ -159,7 +161,7 @@ fn wrong_command_lines_end_with_2() {
         (&["synth", "-", "--set", "chanels=8"], &["no parameter 'chanels'", "channels"]),
         (&["synth", "-", "--set", "channels=1000"], &["'channels' is 1000", "between 4 and 160"]),
         (&["synth", "-", "--set", "grid-min=200", "--set", "grid-max=100"], &["'grid-max' is 100", "'grid-min'"]),
-        (&["synth", "-", "-o", "out.gif"], &["out.gif", ".csv, .json, .svg, .png or .npy"]),
+        (&["synth", "-", "-o", "out.gif"], &["out.gif", ".csv, .json, .geojson, .svg, .png or .npy"]),
         (&["synth", "-", "--threads", "0"], &["--threads"]),
         (&["synth", "-", "--png-size", "9"], &["--png-size"]),
         (&["synth", "gallery:nothing"], &["no 'nothing'", gallery::entries()[0].name]),
@@ -334,4 +336,80 @@ fn help_teaches() {
     }
     let version = run(&["--version"], b"").stdout;
     assert_eq!(String::from_utf8_lossy(&version).trim(), format!("pointweave {}", env!("CARGO_PKG_VERSION")));
+}
+
+/// What a table, a GeoJSON file and a link from strangers say on standard error, and how that is silenced or refused.
+#[test]
+fn readers_are_heard() {
+    let folder = Folder::new("readers");
+    let rows: String = (0..30)
+        .map(|i| {
+            format!(
+                "t{i};{};{};{};0,{i}\n",
+                691_200 + i % 6 * 9 + i % 4,
+                5_334_100 + i / 6 * 8 + i % 3,
+                ["oak", "elm"][i % 2]
+            )
+        })
+        .collect();
+    let table = folder.file("trees.csv", &format!("name;easting;northing;species;crown_m\n{rows}"));
+    let said = |arguments: &[&str]| {
+        let output = run(arguments, b"");
+        let words = String::from_utf8(output.stderr).unwrap();
+        (output.status.code(), words, String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let tiny = |arguments: &[&str]| said(&[&["synth"], arguments, &TINY[..]].concat());
+    let (code, words, csv) = tiny(&[&table]);
+    assert_eq!(code, Some(0), "{words}");
+    assert!(
+        words.starts_with("pointweave: '") && words.contains("text: name") && words.lines().count() == 1,
+        "{words}"
+    );
+    assert!(csv.contains("\neasting,northing,species,crown_m\n"), "{csv:.200}");
+    assert_eq!(tiny(&[&table, "--quiet"]), (Some(0), String::new(), csv), "the same, in silence");
+    for command in [&["analyze", &table][..], &["link", "encode", &table]] {
+        assert_eq!(said(command).1, words, "every command that reads says so");
+        assert_eq!(said(&[command, &["-q"]].concat()).1, "");
+        let (code, words, _) = said(&[command, &["--strict"]].concat());
+        assert!(code == Some(1) && words.contains("refused by --strict") && words.contains("text: name"), "{words}");
+    }
+    // Columns by name and by number; what is chosen is said no more.
+    let chosen = ["--columns", "x=easting,y=3,class=,radius=crown_m", "--columns", "height=5"];
+    assert!(tiny(&[&[table.as_str()], &chosen[..]].concat()).1.contains("chosen twice"));
+    let (code, _, csv) = tiny(&[&table, "--columns", "x=easting,y=3,class=,radius=crown_m"]);
+    assert!(code == Some(0) && csv.contains("\neasting,northing,crown_m\n"), "{csv:.200}");
+    refused(&["analyze", &table, "--columns", "x=west"], b"", 1, &["\"west\"", "name, easting, northing"]);
+    refused(&["analyze", &table, "--columns", "easting"], b"", 2, &["'what=column'"]);
+    refused(&["analyze", &table, "--columns", "x=1,x=2"], b"", 2, &["'x' is both '1' and '2'"]);
+
+    // GeoJSON leaves as GeoJSON, beside where it came from.
+    let features: String = (0..30)
+        .map(|i| {
+            let at = [10.7 + f64::from(i % 6 * 9 + i % 4) * 1e-5, 60.0 + f64::from(i / 6 * 8 + i % 3) * 1e-5];
+            format!("{{\"type\": \"Feature\", \"properties\": {{\"Kind\": \"a\", \"h\": {i}}}, \"geometry\": {{\"type\": \"Point\", \"coordinates\": {at:?}}}}}\n")
+        })
+        .collect();
+    let source = folder.file("trees.geojson", &features);
+    let out = folder.path("more.geojson");
+    let (code, words, _) = tiny(&[&source, "-o", &out]);
+    assert!(code == Some(0) && words.contains("became metres about 60."), "{words}");
+    let (code, words, _) = tiny(&[&source, "--no-projection", "--format", "csv", "-o", &folder.path("planar.csv")]);
+    assert!(code == Some(0) && words.contains("Degrees were taken as they are"), "{words}");
+    let result: serde_json::Value = serde_json::from_slice(&fs::read(&out).unwrap()).unwrap();
+    let list = result["features"].as_array().unwrap();
+    assert_eq!(list.len(), 120);
+    for feature in list {
+        let at = &feature["geometry"]["coordinates"];
+        assert!((10.699..10.702).contains(&at[0].as_f64().unwrap()), "twice as wide: {at}");
+        assert!((59.999..60.002).contains(&at[1].as_f64().unwrap()), "twice as high: {at}");
+        assert!(feature["properties"]["h"].is_number());
+    }
+    assert_eq!(said(&["analyze", &source, &out, "-q"]).0, Some(0), "both can be held against each other");
+
+    let (code, words, _) = said(&["link", "decode", "v=1&amp;preset=balanced&amp;seed=7&amp;exemplar=chevrons."]);
+    assert!(
+        code == Some(0) && words.contains("mended") && words.contains("seed 7") && words.contains("balanced"),
+        "{words}"
+    );
+    refused(&["link", "decode", "v=1&preset=fast&seed=7"], b"", 1, &["names no exemplar and holds no points"]);
 }

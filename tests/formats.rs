@@ -239,6 +239,7 @@ fn json_that_is_refused() {
     refused("[[0, 0], 5]", &["point 2 of the list is a number", "a list [x, y]"]);
     refused("[[0, 0], [0]]", &["point 2 of the list", "1 values"]);
     refused("[{\"x\": 1}]", &["no column is called 'y'"]);
+    refused("[{\"x\": 1, \"y\": 0}, [1, 2]]", &["point 2 of the list is a list", "an object like the first one"]);
     refused("{\"kind\": \"none we know\", \"features\": []}", &["neither 'points' nor 'positions'", "'features'"]);
     refused("{\"points\": 7}", &["'points' is a number"]);
     refused("{\"points\": [[0,0]], \"boundary\": \"torus\"}", &["\"torus\"", "\"periodic\""]);
@@ -369,20 +370,24 @@ fn noted(reading: &Reading, part: &str) {
 #[test]
 fn geojson_points() {
     let text = r#"{"type": "FeatureCollection", "features": [
-        {"type": "Feature", "geometry": {"type": "Point", "coordinates": [413, 52, 7]}, "properties": {"Species": "oak", "h": 3, "n": "x"}},
-        {"type": "Feature", "geometry": {"type": "MultiPoint", "coordinates": [[414, 53], [415, 52]]}, "properties": {"Species": "elm", "h": 4.5}},
+        {"type": "Feature", "geometry": {"type": "Point", "coordinates": [13, 52, 7]}, "properties": {"Species": "oak", "h": 3, "n": "x"}},
+        {"type": "Feature", "geometry": {"type": "MultiPoint", "coordinates": [[14, 53], [15, 52]]}, "properties": {"Species": "elm", "h": 4.5}},
         {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": []}, "properties": {}},
         {"type": "Feature", "geometry": null, "properties": null}]}"#;
     let reading = opened(text);
     assert_eq!((reading.format, reading.is_domain_declared), (FileFormat::GeoJson, false));
-    assert_eq!(xy(&reading.pattern), [(413.0, 52.0), (414.0, 53.0), (415.0, 52.0)]);
+    let projection = reading.origin.projection.unwrap();
+    let degrees: Vec<DVec2> = reading.pattern.positions().iter().map(|&point| projection.unproject(point)).collect();
+    assert_eq!(degrees, [DVec2::new(13.0, 52.0), DVec2::new(14.0, 53.0), DVec2::new(15.0, 52.0)]);
     assert_eq!(class_of(&reading.pattern), ["oak", "elm", "elm"]);
     assert_eq!(reading.pattern.attributes(), [Attribute { name: "h".to_owned(), values: vec![3.0, 4.5, 4.5] }]);
     noted(&reading, "One shape that is no point");
-    noted(&reading, "no coordinates");
-    noted(&reading, "for text: n");
+    noted(&reading, "One feature without a place");
+    noted(&reading, "became metres");
+    noted(&reading, "text: n");
 
-    assert_eq!(opened(r#"{"type": "Point", "coordinates": [0.5, 0.25]}"#).pattern.len(), 1);
+    let point = opened(r#"{"type": "Point", "coordinates": [0.5, 0.25]}"#);
+    assert_eq!(xy(&point.pattern), [(0.0, 0.0)], "about itself");
     let several = r#"{"type": "GeometryCollection", "geometries": [{"type": "Point", "coordinates": [0, 0]}, {"type": "LineString", "coordinates": [[0, 1]]}]}"#;
     assert_eq!(opened(several).pattern.len(), 1);
     // Numbers are classes too.

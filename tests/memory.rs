@@ -105,6 +105,7 @@ fn no_file_and_no_link_takes_more_than_its_share() {
         ("points", filled("[", "[0,1],", "[0,1]]", long)),
         ("objects", filled("[", "{\"x\":1},", "{}]", long)),
         ("positions", filled("{\"positions\":[", "[0,1],", "[0,1]]}", long)),
+        ("values", filled("", "1\n", "", long)),
         ("features", filled("{\"type\":\"FeatureCollection\",\"features\":[", "{\"\":{}},", "0]}", long)),
         // As many as are looked at, of the dearest kinds.
         ("most lists", filled("[", "[],", "0]", 8_999_000)),

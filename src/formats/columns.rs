@@ -157,7 +157,17 @@ struct Chooser<'a> {
 impl Chooser<'_> {
     /// Fills in the roles; tells whether the places are degrees, and what things were called.
     fn choose(&mut self) -> Result<(bool, Origin), FormatError> {
-        self.roles.splice(..self.table.fixed.len().min(self.roles.len()), self.table.fixed.iter().cloned());
+        let chosen = &self.options.columns;
+        for (column, role) in self.table.fixed.iter().enumerate().take(self.roles.len()) {
+            let is_chosen = match role {
+                Role::X => chosen.x.is_some(),
+                Role::Y => chosen.y.is_some(),
+                _ => false,
+            };
+            if !is_chosen {
+                self.roles[column] = role.clone();
+            }
+        }
         let is_in_degrees = self.choose_places()?;
         self.choose_class()?;
         self.choose_attributes()?;
@@ -187,13 +197,19 @@ impl Chooser<'_> {
             examples: survey.examples.clone(),
             is_numeric: survey.is_numeric(),
         };
-        self.surveys.iter().enumerate().map(describe).collect()
+        // What the format fixes is nothing to choose from.
+        self.surveys.iter().enumerate().skip(self.table.fixed.len()).map(describe).collect()
     }
 
     /// The column that a person means: by its name, by its name without the unit, or by its number.
     fn find(&self, wanted: &str) -> Result<usize, FormatError> {
         let wanted = column_names::normalized(wanted.trim());
-        let position = |same: &dyn Fn(&str) -> bool| self.names.iter().position(|name| same(name.trim()));
+        // A property may be called as what the format fixes is, and only the property can be meant.
+        let fixed = self.table.fixed.len();
+        let position = |same: &dyn Fn(&str) -> bool| {
+            let free = self.names.iter().skip(fixed).position(|name| same(name.trim())).map(|at| fixed + at);
+            free.or_else(|| self.names.iter().position(|name| same(name.trim())))
+        };
         position(&|name| name == wanted)
             .or_else(|| position(&|name| name.eq_ignore_ascii_case(&wanted)))
             .or_else(|| {
@@ -254,7 +270,8 @@ impl Chooser<'_> {
                     .and_then(|column| column_names::place_name(&self.names[column]))
                     .is_some_and(|place| place.sureness == Sureness::Degrees)
             };
-            return Ok(self.table.is_in_degrees || names.into_iter().all(is_degrees));
+            let are_fixed = self.table.is_in_degrees && self.roles.starts_with(&self.table.fixed);
+            return Ok(are_fixed || names.into_iter().all(is_degrees));
         }
         if self.header.is_none() {
             self.guess_places()?;
@@ -374,7 +391,10 @@ impl Chooser<'_> {
             let name = clip(self.names[second].trim());
             return Err(FormatError::DuplicateColumn { place: self.place(second.max(first)), name });
         }
-        let by_name = named.into_iter().find(|&(rank, column)| rank == 0 || self.is_class(column, true));
+        // Many different numbers are a quantity, whatever they are called.
+        let may_be = |column: usize| self.surveys[column].words > 0 || self.surveys[column].distinct <= MAX_CLASSES;
+        let by_name =
+            named.into_iter().find(|&(rank, column)| rank == 0 && may_be(column) || self.is_class(column, true));
         let found = by_name.map(|(_, column)| column).or_else(|| {
             let is_text = |&column: &usize| self.surveys[column].words > 0 && self.is_class(column, false);
             free.iter().copied().find(is_text)

@@ -1,53 +1,54 @@
-//! GeoJSON (RFC 7946): `Point` and `MultiPoint`, alone, in features or in collections, in one object, in a list or one
-//! object a line. Degrees become metres on a plane (`origin.rs`) unless coordinates go beyond ±180 and ±90 or a member `crs`
-//! names a projected system. Properties are the columns of a table. A polygon around the points is their window.
+//! GeoJSON (RFC 7946): `Point` and `MultiPoint`, alone, in features or in collections, also one a line; and back.
 //!
-//! What [`write_geojson`](super::write_geojson) writes has a member `pointweave` beside the features: the rectangle and the
-//! boundary, the classes in their order, and how degrees had become metres.
+//! Degrees of one place become metres about it (see [`Projection`](super::Projection)), unless the file names another system
+//! of coordinates. A polygon around the points is their window. Properties are columns like those of a table.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec2;
-use serde_json::{Map, Value};
+use serde::Deserialize as _;
+use serde_json::{Map, Value, json};
 
-use super::declaration::{Declared, number_text};
+use super::declaration::Declared;
 use super::error::{FormatError, clip};
-use super::geo_area::{self, Area};
-use super::json::{domain, entry_places, kind, layout, layout_at};
+use super::json::{cell, entry_places, kind, layout, layout_at, member_place};
 use super::note::counted;
-use super::origin::{self, Projection};
-use super::records::{cell, union};
-use super::table::{Role, Row, RowPlace, Table};
-use super::{FileFormat, Note, ReadOptions, Reading};
-use crate::pattern::{Boundary, Domain, MAX_ATTRIBUTES, MAX_CLASSES, MAX_POINTS, Window, check_name};
+use super::origin::Projection;
+use super::table::{MAX_COLUMNS, Role, Row, RowPlace, Table};
+use super::{ColumnChoice, FileFormat, Note, Origin, ReadOptions, Reading};
+use crate::pattern::{Boundary, Domain, MAX_ATTRIBUTES, MAX_CLASSES, MAX_CORNERS, PointPattern, check_name};
 
-/// Geometries that hold no points.
-const OTHER_SHAPES: [&str; 4] = ["LineString", "MultiLineString", "Polygon", "MultiPolygon"];
+/// Geometries without area.
+const LINES: [&str; 2] = ["LineString", "MultiLineString"];
+/// Geometries with one.
+const AREAS: [&str; 2] = ["Polygon", "MultiPolygon"];
 /// Collections within collections.
 const MAX_DEPTH: usize = 8;
-/// The member that only our own files have.
-pub(super) const OWN_MEMBER: &str = "pointweave";
-/// How far rounding to [`DECIMALS`](super::geojson_out::DECIMALS) may have put a point beyond the domain's border, as a
-/// share of its longer side: for rounded degrees of a domain a metre wide it is a ten thousandth.
-const ROUNDING: f64 = 1e-12;
-const ROUNDING_METRES: f64 = 1.2e-4;
+/// The member that keeps what GeoJSON has no words for.
+const MEMBER: &str = "pointweave";
+/// Decimals of degrees that are written: a tenth of a millimetre.
+const DECIMALS: f64 = 1e9;
+/// How far beyond the domain's border arithmetic puts a point that was written on it, as a share of the longer side.
+const ROUNDING: f64 = 1e-8;
 
 /// What is collected on the way.
 #[derive(Default)]
 struct Found<'a> {
     points: Vec<Point<'a>>,
-    areas: Vec<Area<'a>>,
-    polygons: usize,
+    /// The closed lines of each area.
+    rings: Vec<Vec<Vec<DVec2>>>,
+    corners: usize,
+    /// Shapes that hold no points.
     lines: usize,
-    /// Points and features without coordinates.
-    without_place: usize,
-    /// Points with a third coordinate.
+    areas: usize,
+    /// Features without a place.
+    empty: usize,
     heights: usize,
 }
 
 struct Point<'a> {
     place: RowPlace,
-    position: DVec2,
+    position: [&'a Value; 2],
     properties: Option<&'a Map<String, Value>>,
 }
 
@@ -55,128 +56,53 @@ struct Point<'a> {
 pub(super) fn is_geojson(object: &Map<String, Value>) -> bool {
     let known = ["FeatureCollection", "Feature", "GeometryCollection", "Point", "MultiPoint"];
     let type_of = object.get("type").and_then(Value::as_str);
-    type_of.is_some_and(|name| known.contains(&name) || OTHER_SHAPES.contains(&name))
+    type_of.is_some_and(|name| known.contains(&name) || LINES.contains(&name) || AREAS.contains(&name))
 }
 
-/// Reads one object of GeoJSON or several, with the line and character of each.
-pub(super) fn read(
-    text: &str,
-    objects: &[Value],
+pub(super) fn read(text: &str, object: &Map<String, Value>, options: &ReadOptions) -> Result<Reading, FormatError> {
+    let mut found = Found::default();
+    match object.get("features") {
+        Some(Value::Array(features)) => {
+            let places = entry_places(text, &["features"]);
+            for (index, feature) in features.iter().enumerate() {
+                found.value(feature, RowPlace::Entry(index + 1, places.get(index).copied()))?;
+            }
+        }
+        Some(_) => return Err(layout(text, &["features"], "'features' must be a list".to_owned())),
+        None => found.object(object, RowPlace::Entry(1, member_place(text, &[])), None, 0)?,
+    }
+    let own = object.get(MEMBER).and_then(Value::as_object);
+    found.reading(!names_another_system(object), own, options)
+}
+
+/// Features and geometries one behind another.
+pub(super) fn read_sequence(
+    values: &[Value],
     places: &[(usize, usize)],
     options: &ReadOptions,
 ) -> Result<Reading, FormatError> {
     let mut found = Found::default();
-    for (index, value) in objects.iter().enumerate() {
+    for (index, value) in values.iter().enumerate() {
         let place = RowPlace::Entry(index + 1, places.get(index).copied());
-        let object = match value {
-            Value::Object(object) if is_geojson(object) => object,
-            Value::Object(_) => return Err(layout_at(at(place), "an object has no 'type' of GeoJSON".to_owned())),
-            other => {
-                return Err(layout_at(at(place), format!("a feature is {}, but must be a 'Feature'", kind(other))));
-            }
-        };
-        match object.get("features") {
-            Some(Value::Array(features)) => {
-                let inner = if objects.len() == 1 { entry_places(text, &["features"]) } else { Vec::new() };
-                for (index, feature) in features.iter().enumerate() {
-                    let own = inner.get(index).copied().or(at(place));
-                    found.feature(feature, RowPlace::Entry(index + 1, own))?;
-                }
-            }
-            Some(_) => {
-                let message = "'features' must be a list".to_owned();
-                return Err(if objects.len() == 1 {
-                    layout(text, &["features"], message)
-                } else {
-                    layout_at(at(place), message)
-                });
-            }
-            None => found.object(object, place, None, 0)?,
+        let features = value.get("features").and_then(Value::as_array);
+        match features {
+            Some(features) => features.iter().try_for_each(|feature| found.value(feature, place))?,
+            None => found.value(value, place)?,
         }
     }
-    let objects: Vec<&Map<String, Value>> = objects.iter().filter_map(Value::as_object).collect();
-    let own = objects.iter().find_map(|object| object.get(OWN_MEMBER)).and_then(Value::as_object);
-    let crs = objects.iter().find_map(|object| object.get("crs"));
-    found.into_reading(text, own.map(Own::of), crs, options)
+    let planar = values.iter().filter_map(Value::as_object).any(names_another_system);
+    found.reading(!planar, None, options)
 }
 
-/// What [`write_geojson`](super::write_geojson) says beside the features. What of it can't be, is not.
-#[derive(Default)]
-struct Own {
-    domain: Option<Domain>,
-    boundary: Option<Boundary>,
-    classes: Vec<String>,
-    /// The property of the class.
-    class: Option<String>,
-    /// The properties of the attributes, each with the attribute's name.
-    attributes: Vec<(String, String)>,
-    projection: Option<Projection>,
-}
-
-/// Whether all are names, and no two alike, and no more than there may be.
-fn are_names(names: &[&String], most: usize) -> bool {
-    let mut sorted = names.to_vec();
-    sorted.sort_unstable();
-    sorted.dedup();
-    sorted.len() == names.len() && names.len() <= most && names.iter().all(|name| check_name(name).is_ok())
-}
-
-impl Own {
-    fn of(member: &Map<String, Value>) -> Self {
-        let member = |name: &str| member.get(name).filter(|value| !value.is_null());
-        fn list<T: serde::de::DeserializeOwned>(value: Option<&Value>) -> Vec<T> {
-            value.and_then(|value| serde_json::from_value(value.clone()).ok()).unwrap_or_default()
-        }
-        let mut classes: Vec<String> = list(member("classes"));
-        if !are_names(&classes.iter().collect::<Vec<_>>(), MAX_CLASSES) {
-            classes.clear();
-        }
-        let mut attributes: Vec<(String, String)> = list(member("attributes"));
-        let (properties, names): (Vec<&String>, Vec<&String>) =
-            attributes.iter().map(|(property, name)| (property, name)).unzip();
-        if !are_names(&names, MAX_ATTRIBUTES) || properties.iter().collect::<HashSet<_>>().len() != properties.len() {
-            attributes.clear();
-        }
-        Self {
-            domain: member("domain").and_then(|value| domain(value).ok()),
-            boundary: member("boundary").and_then(|value| serde_json::from_value(value.clone()).ok()),
-            classes,
-            class: member("class").and_then(Value::as_str).map(str::to_owned),
-            attributes,
-            projection: member("projection")
-                .and_then(|value| serde_json::from_value::<Projection>(value.clone()).ok())
-                .filter(|projection| projection.is_usable()),
-        }
-    }
-
-    /// Puts the properties whose meaning is told in front; their roles.
-    fn arrange(&self, names: &mut Vec<&str>) -> Vec<Role> {
-        let mut roles = Vec::new();
-        let class = self.class.iter().map(|property| (property, Role::Class));
-        let attributes = self.attributes.iter().map(|(property, name)| (property, Role::Attribute(name.clone())));
-        for (property, role) in class.chain(attributes) {
-            if let Some(at) = names.iter().skip(roles.len()).position(|name| name == property) {
-                let name = names.remove(roles.len() + at);
-                names.insert(roles.len(), name);
-                roles.push(role);
-            }
-        }
-        roles
-    }
-}
-
-/// Whether a member `crs` of GeoJSON 2008 names a system whose coordinates are no degrees. The geographic systems of the EPSG
-/// are numbered from 4000 to 4999, but for the latest ones.
-fn is_projected(crs: Option<&Value>) -> bool {
+/// Whether coordinates are no degrees: a member `crs` of 2008's GeoJSON may say so. The geographic systems of the EPSG are
+/// numbered from 4000 to 4999, but for the latest ones.
+fn names_another_system(object: &Map<String, Value>) -> bool {
     const LATER: [u32; 8] = [5451, 6318, 6668, 6706, 7844, 8999, 9000, 9755];
-    let Some(name) = crs.and_then(|crs| crs.get("properties")).and_then(|it| it.get("name")).and_then(Value::as_str)
-    else {
-        return false;
-    };
-    let code = name.rsplit([':', '/']).next().unwrap_or_default();
+    let name = object.get("crs").and_then(|crs| crs.get("properties")?.get("name")?.as_str());
+    let Some(code) = name.and_then(|name| name.rsplit([':', '/']).next()) else { return false };
     match code.parse::<u32>() {
         Ok(number) => !(4000..5000).contains(&number) && !LATER.contains(&number),
-        Err(_) => !["CRS84", "CRS83", "CRS27", "CRS84h", "WGS84"].iter().any(|known| known.eq_ignore_ascii_case(code)),
+        Err(_) => !["CRS84", "CRS83", "CRS27", "WGS84", "WGS 84"].iter().any(|known| code.contains(known)),
     }
 }
 
@@ -188,11 +114,9 @@ fn at(place: RowPlace) -> Option<(usize, usize)> {
 }
 
 impl<'a> Found<'a> {
-    fn feature(&mut self, feature: &'a Value, place: RowPlace) -> Result<(), FormatError> {
-        match feature {
-            Value::Object(object) if object.get("type").and_then(Value::as_str) == Some("Feature") => {
-                self.object(object, place, None, 0)
-            }
+    fn value(&mut self, value: &'a Value, place: RowPlace) -> Result<(), FormatError> {
+        match value {
+            Value::Object(object) if is_geojson(object) => self.object(object, place, None, 0),
             other => Err(layout_at(at(place), format!("a feature is {}, but must be a 'Feature'", kind(other)))),
         }
     }
@@ -214,23 +138,28 @@ impl<'a> Found<'a> {
                 let properties = object.get("properties").and_then(Value::as_object);
                 self.object(geometry, place, properties, depth + 1)
             }
-            // RFC 7946 lets both be nothing.
-            ("Feature", _, None | Some(Value::Null), _) | ("Point" | "MultiPoint", Some(Value::Null), ..) => {
-                self.without_place += 1;
+            // A feature without a place.
+            ("Feature", _, None | Some(Value::Null), _) => {
+                self.empty += 1;
                 Ok(())
             }
             ("GeometryCollection", _, _, Some(Value::Array(geometries))) => {
                 for geometry in geometries {
                     match geometry {
                         Value::Object(geometry) => self.object(geometry, place, properties, depth + 1)?,
+                        Value::Null => self.empty += 1,
                         other => return refuse(format!("a geometry is {}, but must be an object", kind(other))),
                     }
                 }
                 Ok(())
             }
+            ("Point" | "MultiPoint", None | Some(Value::Null), _, _) => {
+                self.empty += 1;
+                Ok(())
+            }
             ("Point", Some(Value::Array(position)), _, _) => self.push(position, place, properties),
             ("MultiPoint", Some(Value::Array(positions)), _, _) => {
-                self.without_place += usize::from(positions.is_empty());
+                self.empty += usize::from(positions.is_empty());
                 for position in positions {
                     match position {
                         Value::Array(position) => self.push(position, place, properties)?,
@@ -239,20 +168,17 @@ impl<'a> Found<'a> {
                 }
                 Ok(())
             }
-            (name, coordinates, ..) if OTHER_SHAPES.contains(&name) => {
-                let polygons = match (name, coordinates) {
-                    ("Polygon", Some(Value::Array(rings))) => Some(vec![rings.as_slice()]),
-                    ("MultiPolygon", Some(Value::Array(polygons))) => {
-                        Some(polygons.iter().filter_map(Value::as_array).map(Vec::as_slice).collect())
-                    }
-                    _ => None,
-                };
-                if name.ends_with("Polygon") {
-                    self.polygons += 1;
-                } else {
-                    self.lines += 1;
+            (name, ..) if LINES.contains(&name) => {
+                self.lines += 1;
+                Ok(())
+            }
+            (name, coordinates, ..) if AREAS.contains(&name) => {
+                self.areas += 1;
+                if let Some(coordinates) = coordinates {
+                    let mut rings = Vec::new();
+                    self.take_rings(coordinates, 0, &mut rings);
+                    self.rings.extend(Some(rings).filter(|rings| !rings.is_empty()));
                 }
-                self.areas.extend(polygons.map(Area));
                 Ok(())
             }
             (name, ..) => refuse(format!("{:?} is not a geometry with coordinates", clip(name))),
@@ -265,134 +191,212 @@ impl<'a> Found<'a> {
         place: RowPlace,
         properties: Option<&'a Map<String, Value>>,
     ) -> Result<(), FormatError> {
-        if position.iter().all(Value::is_null) {
-            self.without_place += 1;
-            return Ok(());
-        }
-        let position = match position {
-            [x, y, rest @ ..] => {
+        match position {
+            [] | [Value::Null, ..] => self.empty += 1,
+            [x @ Value::Number(_), y @ Value::Number(_), rest @ ..] => {
                 self.heights += usize::from(rest.first().is_some_and(Value::is_number));
-                x.as_f64().zip(y.as_f64())
+                self.points.push(Point { place, position: [x, y], properties });
             }
-            _ => None,
-        };
-        let Some(position) = position.map(DVec2::from) else {
-            return Err(layout_at(at(place), "a position must begin with two numbers".to_owned()));
-        };
-        if self.points.len() >= MAX_POINTS {
-            return Err(FormatError::TooMany { place: place.cell(0), what: "points", max: MAX_POINTS });
+            _ => return Err(layout_at(at(place), "a position must begin with two numbers".to_owned())),
         }
-        self.points.push(Point { place, position, properties });
         Ok(())
     }
 
-    fn into_reading(
+    /// The closed lines of areas, however deep; those that are none are passed over: they are only a help.
+    fn take_rings(&mut self, coordinates: &Value, depth: usize, rings: &mut Vec<Vec<DVec2>>) {
+        let Value::Array(list) = coordinates else { return };
+        let corner = |value: &Value| Some(DVec2::new(value.get(0)?.as_f64()?, value.get(1)?.as_f64()?));
+        let ring: Option<Vec<DVec2>> = list.iter().map(corner).collect();
+        match ring {
+            Some(ring) if ring.len() >= 3 && self.corners + ring.len() <= MAX_CORNERS => {
+                self.corners += ring.len();
+                rings.push(ring);
+            }
+            Some(_) => {}
+            None if depth < 3 => list.iter().for_each(|inner| self.take_rings(inner, depth + 1, rings)),
+            None => {}
+        }
+    }
+
+    fn notes(&self) -> Vec<Note> {
+        let mut notes = Vec::new();
+        let mut say = |count: usize, one: &str, many: &str, why: &str| {
+            if count > 0 {
+                notes.push(Note::left_out(format!("{} left out{why}.", counted(count, one, many))));
+            }
+        };
+        say(self.empty, "One feature without a place was", "features without a place were", "");
+        say(self.lines, "One line was", "lines were", ", as a pattern has points only");
+        // Areas around the points are said to be their window.
+        let areas = if self.rings.is_empty() { self.areas } else { 0 };
+        say(areas, "One shape that is no point was", "shapes that are no points were", "");
+        say(self.heights, "The height of one point was", "heights of points were", ", as a pattern is flat");
+        notes
+    }
+
+    fn reading(
         self,
-        text: &str,
-        own: Option<Own>,
-        crs: Option<&Value>,
+        is_in_degrees: bool,
+        own: Option<&Map<String, Value>>,
         options: &ReadOptions,
     ) -> Result<Reading, FormatError> {
-        let mut notes = Vec::new();
-        if self.points.is_empty() && self.polygons + self.lines > 0 {
-            let message =
-                format!("it has no points, but {}; make points of them first, as their centroids", self.shapes());
-            return Err(layout(text, &[], message));
+        let shapes = self.lines + self.areas;
+        if self.points.is_empty() && shapes > 0 {
+            let others = counted(shapes, "one shape that is none", "shapes that are none");
+            let message = format!("it has no points, but {others}; make points of them first, as their centroids");
+            return Err(layout_at(None, message));
         }
-        let positions: Vec<DVec2> = self.points.iter().map(|point| point.position).collect();
-        let is_in_degrees = match &own {
-            Some(own) => own.projection.is_some(),
-            None => !is_projected(crs) && origin::are_on_earth(&positions),
-        };
-        let has_own_domain = own.as_ref().is_some_and(|own| own.domain.is_some());
-        let crosses = is_in_degrees && origin::cross_the_antimeridian(&positions);
-        let window = geo_area::around(&self.areas, &positions, crosses);
-
-        let own = own.unwrap_or_default();
-        let properties = || self.points.iter().filter_map(|point| point.properties);
-        let mut names = union(properties(), self.points.len(), ["property", "properties"], &mut notes);
-        let chosen = &options.columns;
-        // What a person chooses is not told twice.
-        let roles = if chosen.is_empty() { own.arrange(&mut names) } else { Vec::new() };
-        let mut table = Table::new(Declared { domain: own.domain, boundary: own.boundary, classes: own.classes });
+        let mut table = Table::new(own.map(declared).unwrap_or_default());
+        table.notes = self.notes();
         table.is_in_degrees = is_in_degrees;
-        table.projection = own.projection;
-        if let Some(domain) = own.domain {
-            let side = own.projection.map_or(f64::INFINITY, |it| {
-                it.project_domain(domain).map_or(0.0, |domain| domain.size().max_element())
-            });
-            table.rounding = ROUNDING.max(ROUNDING_METRES / side);
-        } else if let Some(window) = window.as_ref().filter(|_| !(crosses && options.keeps_degrees)) {
-            table.declared.domain = window.domain(&positions, crosses);
+        if let Some(own) = own {
+            // What was no degrees may look like them.
+            let told = own.get("projection");
+            table.is_in_degrees &= !told.is_some_and(Value::is_null);
+            let projection = told.and_then(|value| serde_json::from_value::<Projection>(value.clone()).ok());
+            table.projection = projection.filter(|projection| projection.is_usable());
+            table.rounding = ROUNDING;
         }
-        if chosen.x.is_none() && chosen.y.is_none() {
-            table.fixed = [Role::X, Role::Y].into_iter().chain(roles).collect();
-        }
+        let mut names = vec!["x".to_owned(), "y".to_owned()];
+        let mut columns: HashMap<&str, usize> = HashMap::new();
         for point in &self.points {
-            let coordinates = point.position.to_array().map(number_text);
-            let property = |name: &&str| point.properties.and_then(|it| it.get(*name)).map(cell).unwrap_or_default();
-            table.push(Row::new(point.place, coordinates.into_iter().chain(names.iter().map(property))))?;
-        }
-        table.header = Some(["x", "y"].iter().chain(&names).map(|&name| name.to_owned()).collect());
-
-        self.say(window.as_ref().map(|window| window.area), &mut notes);
-        let mut reading = table.into_reading(FileFormat::GeoJson, options)?;
-        if let Some(window) = window {
-            let projection = reading.origin.projection;
-            let rings = window.rings(projection);
-            match Window::new(rings) {
-                Ok(outline) => {
-                    let outside = counted(window.outside, "; one point lies outside", "points lie outside");
-                    let outside = match window.outside {
-                        0 => String::new(),
-                        1 => outside,
-                        _ => format!("; {outside}"),
-                    };
-                    let domain = if has_own_domain { "" } else { ", and the rectangle around it for the domain" };
-                    notes.push(Note::changed(format!(
-                        "The polygon around the points was taken for their window{domain}{outside}."
-                    )));
-                    reading.window = Some(outline);
+            let mut cells: Vec<String> = point.position.iter().map(|value| cell(value)).collect();
+            cells.resize(names.len(), String::new());
+            for (name, value) in point.properties.into_iter().flatten() {
+                let column = *columns.entry(name).or_insert_with(|| {
+                    names.push(name.clone());
+                    names.len() - 1
+                });
+                if column >= MAX_COLUMNS {
+                    return Err(FormatError::TooMany {
+                        place: point.place.cell(0),
+                        what: "properties",
+                        max: MAX_COLUMNS,
+                    });
                 }
-                Err(error) => {
-                    notes.push(Note::left_out(format!("The polygon around the points can't be their window: {error}.")))
+                if cells.len() <= column {
+                    cells.resize(column + 1, String::new());
                 }
+                cells[column] = cell(value);
             }
+            table.push(Row::new(point.place, &cells))?;
         }
-        reading.notes.splice(0..0, notes);
-        Ok(reading)
+        let told = own.filter(|_| options.columns.is_empty()).and_then(choice);
+        let is_there = |name: &str| columns.contains_key(name);
+        let told = told.filter(|told| {
+            told.class.iter().all(|name| name.is_empty() || is_there(name))
+                && told.attributes.iter().flatten().all(|(_, property)| is_there(property))
+        });
+        table.header = Some(names);
+        table.fixed = vec![Role::X, Role::Y];
+        table.rings = self.rings;
+        match told {
+            Some(columns) => table.into_reading(FileFormat::GeoJson, &ReadOptions { columns, ..options.clone() }),
+            None => table.into_reading(FileFormat::GeoJson, options),
+        }
     }
+}
 
-    fn shapes(&self) -> String {
-        let polygons = counted(self.polygons, "1 polygon", "polygons");
-        let lines = counted(self.lines, "1 line", "lines");
-        match (self.polygons, self.lines) {
-            (_, 0) => polygons,
-            (0, _) => lines,
-            _ => format!("{polygons} and {lines}"),
-        }
+/// Domain, boundary and classes that [`write_geojson`] left beside the features.
+fn declared(own: &Map<String, Value>) -> Declared {
+    let mut declared = Declared::default();
+    declared.domain = own.get("domain").and_then(|value| match <[f64; 4]>::deserialize(value) {
+        Ok([x0, y0, x1, y1]) => Domain::new(DVec2::new(x0, y0), DVec2::new(x1 - x0, y1 - y0)).ok(),
+        Err(_) => Domain::deserialize(value).ok(),
+    });
+    declared.boundary = match own.get("boundary").and_then(Value::as_str) {
+        Some("periodic") => Some(Boundary::Periodic),
+        Some("open") => Some(Boundary::Open),
+        _ => None,
+    };
+    let names = own.get("classes").and_then(Value::as_array);
+    declared.classes = names.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect();
+    if !are_names(declared.classes.iter(), MAX_CLASSES) {
+        declared.classes.clear();
     }
+    declared
+}
 
-    /// What was left out. The area that is the window was not.
-    fn say(&self, window: Option<usize>, notes: &mut Vec<Note>) {
-        if self.without_place > 0 {
-            let features = counted(self.without_place, "One point or feature has", "points or features have");
-            let was = if self.without_place == 1 { "was" } else { "were" };
-            notes.push(Note::left_out(format!(
-                "{features} no coordinates and {was} left out. Add the coordinates if the points are needed."
-            )));
-        }
-        let others =
-            Found { polygons: self.polygons - usize::from(window.is_some()), lines: self.lines, ..Found::default() };
-        match others.polygons + others.lines {
-            0 => {}
-            1 => notes.push(Note::left_out(format!("One shape that is no point was left out: {}.", others.shapes()))),
-            count => notes
-                .push(Note::left_out(format!("{count} shapes that are no points were left out: {}.", others.shapes()))),
-        }
-        if self.heights > 0 {
-            let points = counted(self.heights, "One point has", "points have");
-            notes.push(Note::left_out(format!("{points} a third coordinate, a height, which was left out.")));
-        }
+/// Whether all are names, and no two alike, and no more than there may be.
+fn are_names<'a>(names: impl Iterator<Item = &'a String> + Clone, most: usize) -> bool {
+    let different: HashSet<&String> = names.clone().collect();
+    let count = names.clone().count();
+    different.len() == count && count <= most && names.into_iter().all(|name| check_name(name).is_ok())
+}
+
+/// Which properties [`write_geojson`] wrote what as.
+fn choice(own: &Map<String, Value>) -> Option<ColumnChoice> {
+    let class = match own.get("class") {
+        None | Some(Value::Null) => String::new(),
+        Some(value) => value.as_str()?.to_owned(),
+    };
+    let attributes: Vec<(String, String)> = serde_json::from_value(own.get("attributes")?.clone()).ok()?;
+    let properties = attributes.iter().map(|(_, property)| property);
+    let all: HashSet<&String> = properties.chain([&class]).collect();
+    if !are_names(attributes.iter().map(|(name, _)| name), MAX_ATTRIBUTES) || all.len() != attributes.len() + 1 {
+        return None;
     }
+    Some(ColumnChoice { class: Some(class), attributes: Some(attributes), ..ColumnChoice::default() })
+}
+
+/// Writes a pattern as a collection of points: in degrees where the exemplar's were, else as its positions are, and with
+/// class and attributes under the names they had. Domain and boundary stand beside the features, so that it reads back.
+#[must_use]
+pub fn write_geojson(pattern: &PointPattern, origin: &Origin) -> String {
+    let degrees = |position: DVec2| origin.projection.map_or(position, |projection| projection.unproject(position));
+    let (low, mut high) = (degrees(pattern.domain().min()), degrees(pattern.domain().max()));
+    // Across the 180th meridian the far corner is beyond it, as the rest is.
+    if high.x < low.x {
+        high.x += 360.0;
+    }
+    // Corners may tell a size only roughly.
+    let domain = if origin.projection.is_none() && high - low != pattern.domain().size() {
+        json!({"min": low.to_array(), "size": pattern.domain().size().to_array()})
+    } else {
+        json!([low.x, low.y, high.x, high.y])
+    };
+    let eastwards = |x: f64| if high.x > 180.0 && x < low.x - 180.0 { x + 360.0 } else { x };
+    let on_earth = |x: f64| if origin.projection.is_some() && x > 180.0 { x - 360.0 } else { x };
+    let round = |value: f64| if origin.projection.is_some() { (value * DECIMALS).round() / DECIMALS } else { value };
+    let with_class = pattern.class_names() != ["points"];
+    let class = origin.class.as_deref().unwrap_or("class");
+    let mut properties: Vec<String> = Vec::new();
+    for attribute in pattern.attributes() {
+        let mut name = origin.header(&attribute.name).to_owned();
+        while with_class && name == class || properties.contains(&name) {
+            name.push('_');
+        }
+        properties.push(name);
+    }
+    let features: Vec<Value> = (0..pattern.len())
+        .map(|i| {
+            // Rounding must leave no point outside of the domain.
+            let [x, y] = degrees(pattern.positions()[i]).to_array();
+            let coordinates = [on_earth(round(eastwards(x)).max(low.x).min(high.x)), round(y).max(low.y).min(high.y)];
+            let mut own = Map::new();
+            if with_class {
+                own.insert(class.to_owned(), pattern.class_names()[usize::from(pattern.classes()[i])].clone().into());
+            }
+            for (attribute, name) in pattern.attributes().iter().zip(&properties) {
+                own.insert(name.clone(), attribute.values[i].into());
+            }
+            json!({"type": "Feature", "geometry": {"type": "Point", "coordinates": coordinates}, "properties": own})
+        })
+        .collect();
+    let names = pattern.attributes().iter().map(|attribute| attribute.name.clone());
+    let attributes: Vec<Value> = names.zip(properties).map(|(name, property)| json!([name, property])).collect();
+    json!({
+        "type": "FeatureCollection",
+        MEMBER: {
+            "domain": domain,
+            "boundary": pattern.boundary().name(),
+            "class": with_class.then_some(class),
+            "classes": if with_class { pattern.class_names() } else { &[] },
+            "attributes": attributes,
+            "projection": origin.projection,
+        },
+        "features": features,
+    })
+    .to_string()
+        + "\n"
 }

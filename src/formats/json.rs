@@ -6,26 +6,31 @@
 //! [[0.5, 0.5], [0.25, 0.75]]
 //! {"points": [{"x": 0.5, "y": 0.5, "class": "oak", "radius": 0.1}], "domain": [0, 0, 1, 1], "boundary": "open"}
 //! ```
-//! One value a line (NDJSON), and values with record separators between them (RFC 7464), are the list of these values.
-//! Projects and GeoJSON are JSON too: see `project.rs` and `geojson.rs`; lists of points are read by `records.rs`.
+//! Records may stand one a line (NDJSON) or each behind a record separator (RFC 8142), and may have text and different members;
+//! tables of columns, as statistics programs write them, are read too. Projects and GeoJSON are JSON as well: see `project.rs`
+//! and `geojson.rs`.
+
+use std::collections::HashMap;
 
 use glam::DVec2;
 use serde::Deserialize as _;
 use serde_json::{Map, Value};
 
+use super::column_names::Sureness;
 use super::declaration::Declared;
 use super::error::{FormatError, clip, place, places};
 use super::guess::Guess;
-use super::{FileFormat, ReadOptions, Reading, geojson, project, records};
+use super::table::{MAX_COLUMNS, Row, RowPlace, Table};
+use super::{FileFormat, ReadOptions, Reading, column_names, geojson, project};
 use crate::pattern::{Boundary, Domain, PatternError, PointPattern, RawPattern};
 
+/// In front of every text of a sequence (RFC 8142).
+pub(super) const RECORD_SEPARATOR: char = '\u{1e}';
 /// Most commas: every value but one costs a comma, and the largest pattern needs a tenth of this. It bounds the
 /// memory that nested empty lists could take.
 const MAX_COMMAS: usize = 3_000_000;
 /// Most objects: each takes hundreds of bytes, and a feature of GeoJSON is three of them.
 const MAX_OBJECTS: usize = 200_000;
-/// Stands in front of every value of a sequence (RFC 7464).
-pub(super) const RECORD_SEPARATOR: char = '\u{1e}';
 
 /// Reads any of the JSON layouts.
 pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatError> {
@@ -35,50 +40,63 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
             return Err(layout_at(Some(place(text, byte)), message));
         }
     }
-    let separated;
+    // RFC 8142 puts a record separator before every text of a sequence; within a text it can't stand.
+    let blanked;
     let text = if text.contains(RECORD_SEPARATOR) {
-        // As long as it was, so that places stay what they are.
-        separated = text.replace(RECORD_SEPARATOR, " ");
-        &separated
+        blanked = text.replace(RECORD_SEPARATOR, " ");
+        &blanked
     } else {
         text
     };
-    let mut values = values(text)?;
-    let first = match values.as_mut_slice() {
-        [(_, only)] => std::mem::take(only),
-        _ => {
-            let places = places(text, values.iter().map(|&(byte, _)| byte));
-            let values: Vec<Value> = values.into_iter().map(|(_, value)| value).collect();
-            return list(text, &values, &places, options);
+    let mut stream = serde_json::Deserializer::from_str(text).into_iter::<Value>();
+    let first = stream.next().ok_or(FormatError::NoPoints)?.map_err(|error| located(&error))?;
+    if text[stream.byte_offset()..].trim().is_empty() {
+        drop(stream);
+        return whole(text, first, options);
+    }
+    let mut values = vec![first];
+    let mut starts = vec![text.len() - text.trim_start().len()];
+    loop {
+        let rest = &text[stream.byte_offset()..];
+        let start = text.len() - rest.trim_start().len();
+        let Some(value) = stream.next() else { break };
+        values.push(value.map_err(|error| located(&error))?);
+        if values.len() > MAX_OBJECTS {
+            let message = format!("there are more than {MAX_OBJECTS} values; a pattern has fewer");
+            return Err(layout_at(Some(place(text, start)), message));
         }
-    };
-    drop(values);
-    match first {
-        Value::Array(points) => list(text, &points, &entry_places(text, &[]), options),
+        starts.push(start);
+    }
+    sequence(values, &places(text, starts), options)
+}
+
+/// One value is the whole file.
+fn whole(text: &str, value: Value, options: &ReadOptions) -> Result<Reading, FormatError> {
+    match value {
+        Value::Array(points) => {
+            let places = entry_places(text, &[]);
+            if points.iter().any(|value| value.as_object().is_some_and(geojson::is_geojson)) {
+                return geojson::read_sequence(&points, &places, options);
+            }
+            points_table(&points, &places, Declared::default())?.into_reading(FileFormat::Json, options)
+        }
         Value::Object(object) if project::is_project(&object) => project::read(text, object, options),
         Value::Object(object) if object.contains_key("positions") => {
             // It is read once more, and need not be there twice.
             drop(object);
             own(text, options)
         }
-        Value::Object(object) if geojson::is_geojson(&object) => {
-            let whole = Value::Object(object);
-            geojson::read(text, std::slice::from_ref(&whole), &[member_place(text, &[]).unwrap_or((1, 1))], options)
+        Value::Object(object) if geojson::is_geojson(&object) => geojson::read(text, &object, options),
+        Value::Object(object) if object.get("type").and_then(Value::as_str) == Some("Topology") => {
+            Err(layout(text, &["type"], "this is TopoJSON; export it as GeoJSON".to_owned()))
         }
         Value::Object(object) => match object.get("points") {
             Some(Value::Array(points)) => {
                 let places = entry_places(text, &["points"]);
-                records::table(points, &places, declared(text, &object)?)?.into_reading(FileFormat::Json, options)
+                points_table(points, &places, declared(text, &object)?)?.into_reading(FileFormat::Json, options)
             }
             Some(other) => Err(layout(text, &["points"], format!("'points' is {}, but must be a list", kind(other)))),
-            None if object.get("type").and_then(Value::as_str) == Some("Topology") => {
-                Err(layout(text, &[], "it is TopoJSON; save it as GeoJSON".to_owned()))
-            }
-            None => {
-                let keys: Vec<_> = object.keys().map(|key| format!("'{key}'")).collect();
-                let found = clip(&keys.join(", "));
-                Err(layout(text, &[], format!("neither 'points' nor 'positions' is there; it holds {found}")))
-            }
+            None => lists(text, &object, options),
         },
         other => {
             let found = kind(&other);
@@ -87,30 +105,57 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Reading, FormatE
     }
 }
 
-/// The values of a text one after the other, each with its first byte.
-fn values(text: &str) -> Result<Vec<(usize, Value)>, FormatError> {
-    let mut stream = serde_json::Deserializer::from_str(text).into_iter::<Value>();
-    let mut values = Vec::new();
-    loop {
-        let from = stream.byte_offset();
-        let Some(value) = stream.next() else { return Ok(values) };
-        let rest = text.get(from..).unwrap_or_default();
-        values.push((from + rest.len() - rest.trim_start().len(), value.map_err(|error| located(&error))?));
+/// Objects of lists: a list for every column, as statistics programs write tables, or one list of points under any name.
+fn lists(text: &str, object: &Map<String, Value>, options: &ReadOptions) -> Result<Reading, FormatError> {
+    if let (Some(Value::Array(names)), Some(Value::Array(data))) = (object.get("columns"), object.get("data")) {
+        let mut table = points_table(data, &entry_places(text, &["data"]), declared(text, object)?)?;
+        table.header = Some(names.iter().map(cell).collect());
+        return table.into_reading(FileFormat::Json, options);
     }
+    let columns: Vec<(&String, &Vec<Value>)> =
+        object.iter().filter_map(|(name, value)| Some((name, value.as_array()?))).collect();
+    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let rows = columns.first().map_or(0, |(_, values)| values.len());
+    if let [(name, points)] = columns[..]
+        && !points.is_empty()
+        && points.iter().all(|point| point.is_array() || point.is_object())
+    {
+        let places = entry_places(text, &[name]);
+        return points_table(points, &places, declared(text, object)?)?.into_reading(FileFormat::Json, options);
+    }
+    if column_names::place_columns(&names).is_some() {
+        if let Some((name, values)) = columns.iter().find(|(_, values)| values.len() != rows) {
+            let (first, name, count) = (clip(names[0]), clip(name), values.len());
+            return Err(layout(
+                text,
+                &[name.as_str()],
+                format!("'{name}' has {count} values, but '{first}' has {rows}"),
+            ));
+        }
+        let mut table = Table::new(declared(text, object)?);
+        table.header = Some(names.iter().map(|name| (*name).to_owned()).collect());
+        for row in 0..rows {
+            let cells = columns.iter().map(|(_, values)| cell(&values[row]));
+            table.push(Row::new(RowPlace::Entry(row + 1, None), cells))?;
+        }
+        return table.into_reading(FileFormat::Json, options);
+    }
+    let keys: Vec<_> = object.keys().map(|key| format!("'{key}'")).collect();
+    let found = clip(&keys.join(", "));
+    Err(layout(text, &[], format!("neither 'points' nor 'positions' is there; it holds {found}")))
 }
 
-/// A list of points, or of GeoJSON's objects, with the place of each.
-fn list(
-    text: &str,
-    values: &[Value],
-    places: &[(usize, usize)],
-    options: &ReadOptions,
-) -> Result<Reading, FormatError> {
-    let is_geojson = |value: &Value| value.as_object().is_some_and(geojson::is_geojson);
-    if values.iter().any(is_geojson) {
-        return geojson::read(text, values, places, options);
+/// One value a line, or one behind another: features, records, or lists of coordinates.
+fn sequence(values: Vec<Value>, places: &[(usize, usize)], options: &ReadOptions) -> Result<Reading, FormatError> {
+    let is_feature = |value: &Value| value.as_object().is_some_and(geojson::is_geojson);
+    if values.iter().all(is_feature) {
+        return geojson::read_sequence(&values, places, options);
     }
-    records::table(values, places, Declared::default())?.into_reading(FileFormat::Json, options)
+    if let (true, Some(other)) = (is_feature(&values[0]), values.iter().position(|value| !is_feature(value))) {
+        let message = format!("value {} of the file is no GeoJSON, but those before it are", other + 1);
+        return Err(layout_at(places.get(other).copied(), message));
+    }
+    points_table(&values, places, Declared::default())?.into_reading(FileFormat::Json, options)
 }
 
 /// Writes a pattern as JSON that reads back as the same pattern, digit by digit.
@@ -170,14 +215,135 @@ pub(super) fn misfit(text: &str, path: &[&str], error: &PatternError) -> FormatE
     layout_at(at.or_else(|| member_place(text, &path[..path.len() - 1])), error.to_string())
 }
 
+/// `[x, y, …]` or `{"x": …, "y": …, …}`, as rows of the same table that text files give. Records may have different members;
+/// what one lacks is missing there.
+fn points_table(points: &[Value], places: &[(usize, usize)], declared: Declared) -> Result<Table, FormatError> {
+    let mut table = Table::new(declared);
+    let are_records = matches!(points.first(), Some(Value::Object(_)));
+    let mut names = Names::default();
+    for (index, point) in points.iter().enumerate() {
+        let at = places.get(index).copied();
+        let place = RowPlace::Entry(index + 1, at);
+        let cells: Vec<String> = match point {
+            Value::Array(values) if !are_records => values.iter().map(cell).collect(),
+            Value::Object(members) if are_records => {
+                let mut cells = vec![String::new(); names.list.len()];
+                for (name, value) in members {
+                    names.fill(name, value, &mut cells, members);
+                }
+                if names.list.len() > MAX_COLUMNS {
+                    return Err(FormatError::TooMany { place: place.cell(0), what: "members", max: MAX_COLUMNS });
+                }
+                cells
+            }
+            other => {
+                let wanted = if are_records { "an object like the first one" } else { "a list [x, y]" };
+                let found = kind(other);
+                let message = format!("point {} of the list is {found}, but must be {wanted}", index + 1);
+                return Err(layout_at(at, message));
+            }
+        };
+        table.push_even_blank(Row::new(place, &cells))?;
+    }
+    if are_records {
+        table.header = Some(names.list);
+    }
+    Ok(table)
+}
+
+/// The members of records, in the order they appear in.
+#[derive(Default)]
+struct Names {
+    list: Vec<String>,
+    columns: HashMap<String, usize>,
+}
+
+impl Names {
+    /// Puts a member of a record into its cells. Places may lie within: `"position": [1, 2]`, `"location": {"x": 1, "y": 2}`, or
+    /// a point of GeoJSON. Those in degrees keep their names, if the record has no such member itself: they tell that it is degrees.
+    fn fill(&mut self, name: &str, value: &Value, cells: &mut Vec<String>, record: &Map<String, Value>) {
+        let is_free = |keys: &[&str]| keys.iter().all(|&key| !record.contains_key(key));
+        match value {
+            Value::Object(members) => {
+                if let Some(position @ Value::Array(_)) = members.get("coordinates") {
+                    let is_point = members.get("type").and_then(Value::as_str) == Some("Point");
+                    let axes = ["lon", "lat"];
+                    if let (true, Some([x, y, ..])) =
+                        (is_point && is_free(&axes), position.as_array().map(Vec::as_slice))
+                    {
+                        self.put(axes[0].to_owned(), cell(x), cells);
+                        self.put(axes[1].to_owned(), cell(y), cells);
+                    } else {
+                        self.fill_list(name, position, cells);
+                    }
+                    return;
+                }
+                let keys: Vec<&str> = members.keys().map(String::as_str).take(MAX_COLUMNS).collect();
+                let place = column_names::place_columns(&keys).filter(|(_, sureness)| *sureness == Sureness::Degrees);
+                let axes = place.map(|(columns, _)| columns.map(|at| keys[at])).filter(|axes| is_free(axes));
+                for (inner, value) in members {
+                    match axes {
+                        Some(axes) if axes.contains(&inner.as_str()) => self.put(inner.clone(), cell(value), cells),
+                        _ => self.fill_list(&format!("{name}.{inner}"), value, cells),
+                    }
+                }
+            }
+            other => self.fill_list(name, other, cells),
+        }
+    }
+
+    fn fill_list(&mut self, name: &str, value: &Value, cells: &mut Vec<String>) {
+        match value {
+            Value::Array(values) if (2..=3).contains(&values.len()) && values.iter().all(Value::is_number) => {
+                for (axis, value) in ["x", "y", "z"].into_iter().zip(values) {
+                    self.put(format!("{name}.{axis}"), cell(value), cells);
+                }
+            }
+            other => self.put(name.to_owned(), cell(other), cells),
+        }
+    }
+
+    fn put(&mut self, name: String, text: String, cells: &mut Vec<String>) {
+        let column = match self.columns.get(&name) {
+            Some(&column) => column,
+            // Beyond the cap names need not be kept: the record is refused.
+            None if self.list.len() > MAX_COLUMNS => return,
+            None => {
+                self.columns.insert(name.clone(), self.list.len());
+                self.list.push(name);
+                self.list.len() - 1
+            }
+        };
+        if cells.len() <= column {
+            cells.resize(column + 1, String::new());
+        }
+        cells[column] = text;
+    }
+}
+
+/// A JSON value as the text of a cell.
+pub(super) fn cell(value: &Value) -> String {
+    match value {
+        Value::String(text) => text.clone(),
+        // An empty cell, which no column accepts; "null" would pass for the name of a class.
+        Value::Null => String::new(),
+        other => other.to_string(),
+    }
+}
+
 /// `domain` (`[x0, y0, x1, y1]` or our own layout) and `boundary` beside a list of points.
 fn declared(text: &str, object: &Map<String, Value>) -> Result<Declared, FormatError> {
     let mut declared = Declared::default();
     if let Some(value) = object.get("domain") {
-        declared.domain = Some(domain(value).map_err(|reason| match reason {
-            Ok(error) => misfit(text, &[], &error),
-            Err(message) => layout(text, &["domain"], message),
-        })?);
+        let domain = match <[f64; 4]>::deserialize(value) {
+            Ok([x0, y0, x1, y1]) => Domain::new(DVec2::new(x0, y0), DVec2::new(x1 - x0, y1 - y0))
+                .map_err(|error| misfit(text, &[], &error))?,
+            Err(_) => Domain::deserialize(value).map_err(|error| {
+                let message = "'domain' must be [x0, y0, x1, y1] or {\"min\": [x, y], \"size\": [w, h]}";
+                layout(text, &["domain"], format!("{message}: {error}"))
+            })?,
+        };
+        declared.domain = Some(domain);
     }
     if let Some(value) = object.get("boundary") {
         let boundary = Boundary::deserialize(value).map_err(|_| {
@@ -187,17 +353,6 @@ fn declared(text: &str, object: &Map<String, Value>) -> Result<Declared, FormatE
         declared.boundary = Some(boundary);
     }
     Ok(declared)
-}
-
-/// A domain as `[x0, y0, x1, y1]` or in our own layout.
-pub(super) fn domain(value: &Value) -> Result<Domain, Result<PatternError, String>> {
-    match <[f64; 4]>::deserialize(value) {
-        Ok([x0, y0, x1, y1]) => Domain::new(DVec2::new(x0, y0), DVec2::new(x1 - x0, y1 - y0)).map_err(Ok),
-        Err(_) => Domain::deserialize(value).map_err(|error| {
-            let message = "'domain' must be [x0, y0, x1, y1] or {\"min\": [x, y], \"size\": [w, h]}";
-            Err(format!("{message}: {error}"))
-        }),
-    }
 }
 
 pub(super) fn kind(value: &Value) -> &'static str {

@@ -7,23 +7,24 @@
 //! | PNG (dark or light blobs become points, see [`find_blobs`]) | its first bytes; natively only, a page decodes by itself |
 //! | SVG (circles and ellipses become points) | the first character is `<`, and there is an `<svg` |
 //! | project ([`Project`]) | JSON with a member `pointweave-project` |
-//! | GeoJSON points, in one object or in lines | JSON with a `type` that GeoJSON knows |
-//! | JSON ([`write_json`]'s layout, `[[x, y], …]`, `{"points": […]}`) | the first character is `{` or `[`, or the name ends in `.json`; one value a line too |
+//! | GeoJSON points | JSON with a `type` that GeoJSON knows |
+//! | JSON ([`write_json`]'s layout, `[[x, y], …]`, `{"points": […]}`, records, sequences) | the first character is `{` or `[`, or the name ends in `.json` |
 //! | the reference implementation's text | whole numbers `class x y …`, with a first line `K id…` or classes 1000, 2000, … |
-//! | TSV, semicolon-separated text, CSV | the first line of data holds a tab, else a semicolon, else a comma |
+//! | TSV, semicolon-separated text, CSV, text with bars | most lines of data hold a tab, else a semicolon, else a comma, else a bar |
 //! | whitespace-separated text | everything else |
 //!
-//! Text is UTF-8, with or without a byte order mark, with any line ends. Lines that begin with `#` are comments.
+//! Text is UTF-8, UTF-16 or Windows-1252, with any line ends (`text.rs`). Lines that begin with `#` are comments, unless they fit
+//! as rows or as the header (`header.rs`).
 //!
 //! # Columns
-//! A header names `x`, `y` and perhaps `class`, in any order and case; every other named column is an attribute and
-//! must hold numbers; a column without a name (a row number, a trailing separator) is skipped; `attribute:` in front
-//! of a name marks an attribute called, say, `class`. Without a header the columns are x, y, then a class or an
-//! attribute, then attributes named `attribute-1`, … . The third column holds classes when a value in it is a word,
-//! or when all are whole numbers with at most [`MAX_CLASSES`](crate::pattern::MAX_CLASSES) different ones.
-//! Classes are numbered in the order they appear in.
+//! A header names x and y, and perhaps the class, in many words (`column_names.rs`); every other column of numbers is an
+//! attribute, as far as there is room; `attribute:` in front of a name marks an attribute called, say, `class`. Text, running
+//! numbers and columns with gaps are left out, and a [`Note`] says so (`columns.rs`). Without a header the columns are x, y, then
+//! a class or an attribute, then attributes named `attribute-1`, … . The third column holds classes when a value in it is a word,
+//! or when all are whole numbers with at most [`MAX_CLASSES`](crate::pattern::MAX_CLASSES) different ones. Classes are numbered in
+//! the order they appear in; beyond the cap the most frequent ones stay. [`ColumnChoice`] is a person's own choice.
 //!
-//! Decimal commas are understood where the comma does not separate columns. Thousands separators are not.
+//! Decimal commas are understood where the comma does not separate columns, and in quotes (`number.rs`).
 //!
 //! # Domain
 //! [`ReadOptions`], then the file, then the unit square when all points lie in it, then the bounding box grown by
@@ -40,9 +41,7 @@ mod columns;
 mod declaration;
 mod delimited;
 mod error;
-mod geo_area;
 mod geojson;
-mod geojson_out;
 mod glyph;
 mod guess;
 mod header;
@@ -61,7 +60,6 @@ mod picture;
 pub(crate) mod png;
 mod preview;
 mod project;
-mod records;
 mod reference;
 #[cfg(not(target_arch = "wasm32"))]
 mod report;
@@ -75,7 +73,7 @@ mod whitespace;
 
 pub use delimited::{write_csv, write_csv_like, write_tsv};
 pub use error::{FormatError, Place};
-pub use geojson_out::write_geojson;
+pub use geojson::write_geojson;
 pub use glyph::{Glyph, GlyphError, Polygon};
 pub use json::write_json;
 pub use note::{Note, NoteKind};
@@ -313,8 +311,9 @@ fn open_text(text: &str, file_name: Option<&str>, options: &ReadOptions) -> Resu
     if text.trim().is_empty() {
         return Err(FormatError::NoPoints);
     }
-    let begins_json = ['{', '[', json::RECORD_SEPARATOR];
-    if text.trim_start().starts_with(begins_json) || named_json {
+    if text.trim_start_matches(|c: char| c.is_whitespace() || c == json::RECORD_SEPARATOR).starts_with(['{', '['])
+        || named_json
+    {
         return json::read(text, options);
     }
     if text.trim_start().starts_with('<') {

@@ -116,13 +116,7 @@ impl Projection {
 
     /// The rectangle in metres of one in degrees: what lies in that lies in this.
     pub(super) fn project_domain(self, domain: Domain) -> Result<Domain, PatternError> {
-        let (low, high) = (self.project(domain.min()), self.project(domain.max()));
-        let digit = low.abs().max(high.abs()) * f64::EPSILON;
-        let mut size = high - low;
-        for _ in 0..4 {
-            size += DVec2::select(high.cmpgt(low + size), digit, DVec2::ZERO);
-        }
-        Domain::new(low, size)
+        Domain::spanning(self.project(domain.min()), self.project(domain.max()))
     }
 
     /// Metres east and north of the place, of degrees.
@@ -146,12 +140,12 @@ impl Projection {
 }
 
 /// Whether places may be degrees of longitude and latitude.
-pub(super) fn are_on_earth(positions: &[DVec2]) -> bool {
+fn are_on_earth(positions: &[DVec2]) -> bool {
     positions.iter().all(|point| point.x.abs() <= 180.0 && point.y.abs() <= 90.0)
 }
 
 /// Whether places in degrees are nearer to each other across the 180th meridian than across the others.
-pub(super) fn cross_the_antimeridian(positions: &[DVec2]) -> bool {
+fn cross_the_antimeridian(positions: &[DVec2]) -> bool {
     let span = |shift: fn(f64) -> f64| {
         let (low, high) = positions
             .iter()
@@ -164,7 +158,7 @@ pub(super) fn cross_the_antimeridian(positions: &[DVec2]) -> bool {
 }
 
 /// Longitudes from 0 to 360, for places on both sides of the 180th meridian.
-pub(super) fn eastwards(longitude: f64) -> f64 {
+fn eastwards(longitude: f64) -> f64 {
     if longitude < 0.0 { longitude + 360.0 } else { longitude }
 }
 

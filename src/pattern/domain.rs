@@ -87,6 +87,20 @@ impl Domain {
         Ok(Self { min, size })
     }
 
+    /// The rectangle between two corners that holds both: where rounding would leave the upper one outside, its sides are a digit
+    /// or two longer.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`].
+    pub fn spanning(low: DVec2, high: DVec2) -> Result<Self, PatternError> {
+        let digit = low.abs().max(high.abs()) * f64::EPSILON;
+        let mut size = high - low;
+        for _ in 0..4 {
+            size += DVec2::select(high.cmpgt(low + size), digit, DVec2::ZERO);
+        }
+        Self::new(low, size)
+    }
+
     /// The lower corner.
     #[must_use]
     pub fn min(&self) -> DVec2 {

@@ -11,7 +11,9 @@ pub fn answer(request: &Message) -> JsValue {
     console_error_panic_hook::set_once();
     let response = match messages::read(request) {
         Ok(request) => respond(request),
-        Err(error) => FilesResponse::Error { message: messages::misunderstood(&error), place: None },
+        Err(error) => {
+            FilesResponse::Error { message: messages::misunderstood(&error), place: None, columns: Vec::new() }
+        }
     };
     messages::to_js(&response)
 }

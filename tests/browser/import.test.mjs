@@ -199,11 +199,12 @@ describe('points of one’s own', () => {
     const alert = dialog(page).getByRole('alert');
     await alert.waitFor();
     assert.match(await alert.innerText(), /line 5, column 2/i);
-    assert.equal(await page.locator('.import-excerpt [data-wrong] .line-number').innerText(), '5');
-    assert.equal(await page.locator('.import-excerpt mark').innerText(), 'oops');
-    assert.equal(await page.locator('.import-excerpt .line').count(), 3);
+    assert.equal(await page.locator('#import-place [data-wrong] .line-number').innerText(), '5');
+    assert.equal(await page.locator('#import-place mark').innerText(), 'oops');
+    assert.equal(await page.locator('#import-place .line').count(), 3);
     assert.ok(await page.getByRole('button', { name: 'Use these points' }).isHidden());
-    await dialog(page).getByRole('button', { name: 'Close' }).last().click();
+    assert.ok(await page.getByRole('button', { name: 'Choose a file' }).isVisible());
+    await dialog(page).getByRole('button', { name: 'Cancel' }).click();
     await pick(page, 'broken.json', '{"points": [[0.5, 0.5],\n [0.25, x]]}');
     await alert.waitFor();
     assert.match(await alert.innerText(), /line 2, column 9/i);

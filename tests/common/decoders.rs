@@ -51,7 +51,7 @@ pub fn json(bytes: &[u8]) {
         assert_eq!(again.pattern, reading.pattern);
         let geojson = write_geojson(&reading.pattern, &reading.origin);
         let again = open(geojson.as_bytes(), None, &ReadOptions::default()).expect("our own GeoJSON");
-        assert_eq!(again.pattern.class_names(), reading.pattern.class_names());
+        assert_eq!(again.pattern.classes(), reading.pattern.classes());
         assert_eq!(again.pattern.attributes(), reading.pattern.attributes());
         if reading.origin.projection.is_none() {
             assert_eq!(again.pattern, reading.pattern);

@@ -6,9 +6,18 @@
 
 /** @typedef {import('./messages.js').PatternData} PatternData */
 /** @typedef {import('./messages.js').Parameters} Parameters */
-/** @typedef {'csv' | 'tsv' | 'json' | 'svg' | 'npy'} FileFormat */
+/** @typedef {'csv' | 'tsv' | 'json' | 'geojson' | 'svg' | 'npy'} FileFormat */
 /** @typedef {'auto' | 'dark' | 'light'} Ink which pixels are points; `auto` takes the side with fewer pixels */
-/** @typedef {{ domain?: [number, number, number, number] | null, boundary?: 'open' | 'periodic' | null }} ReadOptions `domain` is x0, y0, x1, y1 */
+/** @typedef {[number, number, number, number]} Corners x0, y0, x1, y1 */
+/**
+ * Which column holds what, by name; null is left to the reader, and no class is ''. Of `attributes` each is the attribute's name and
+ * its column; columns that are not named are left out.
+ * @typedef {{ x?: string | null, y?: string | null, class?: string | null, attributes?: [string, string][] | null }} ColumnChoice
+ */
+/**
+ * What a person knows better than the file. `keepsDegrees` takes longitudes and latitudes as they are.
+ * @typedef {{ domain?: Corners | null, boundary?: 'open' | 'periodic' | null, columns?: ColumnChoice, keepsDegrees?: boolean }} ReadOptions
+ */
 /**
  * `threshold` from 0 (black) to 255 (white), null for Otsu's; areas in pixels, null for no limit.
  * @typedef {{ threshold?: number | null, ink?: Ink, minArea?: number | null, maxArea?: number | null }} BlobOptions
@@ -18,11 +27,11 @@
 // What the page asks.
 /** @typedef {{ type: 'read', name: string, bytes: Uint8Array, options: ReadOptions }} ReadRequest */
 /** @typedef {{ type: 'blobs', width: number, height: number, pixels: Uint8Array, options: BlobOptions }} BlobsRequest */
-/** @typedef {{ type: 'write', format: FileFormat, pattern: PatternData, title: string, tile: boolean, glyphs: Record<string, string>, palette: string }} WriteRequest */
+/** @typedef {{ type: 'write', format: FileFormat, pattern: PatternData, title: string, tile: boolean, glyphs: Record<string, string>, palette: string, origin: Origin }} WriteRequest */
 /** @typedef {{ type: 'glyph', name: string }} GlyphRequest */
 /**
  * @typedef {{ type: 'write-project', title: string, method: string, preset: string, overrides: Parameters, exemplar: PatternData,
- *   output: PatternData | null, state: string | null }} WriteProjectRequest
+ *   origin: Origin, output: PatternData | null, state: string | null }} WriteProjectRequest
  */
 /** @typedef {{ type: 'write-link', exemplar: LinkExemplar, method: string, preset: string, overrides: Parameters }} WriteLinkRequest */
 /** @typedef {{ type: 'read-link', fragment: string }} ReadLinkRequest */
@@ -39,7 +48,10 @@
  * @typedef {{ type: 'link-read', exemplar: LinkExemplar, method: string, preset: string, overrides: Parameters, parameters: Parameters,
  *   notes: Note[], preview: Preview, cost: Cost }} LinkReadResponse
  */
-/** @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null }} FilesErrorResponse */
+/**
+ * `columns`: what there is to choose from, when another choice of columns may help.
+ * @typedef {{ type: 'error', message: string, place: { line: number, column: number | null } | null, columns: Column[] }} FilesErrorResponse
+ */
 /**
  * @typedef {ReadResponse | PictureResponse | BlobsResponse | WrittenResponse | GlyphResponse | LinkWrittenResponse | LinkReadResponse
  *   | FilesErrorResponse} FilesResponse
@@ -52,13 +64,17 @@
  * @typedef {{ name: string, role: { kind: 'x' | 'y' | 'place' | 'class' | 'left-out' } | { kind: 'attribute', name: string },
  *   examples: string[], isNumeric: boolean }} Column
  */
-/** How the exemplar's file named and placed things; only handed back. @typedef {Record<string, unknown>} Origin */
 /**
- * `format` as a person calls it; `domain` is x0, y0, x1, y1; `declared` says whether the file tells the domain or it was found from
- * the points; `notes` are sentences about what was left out or looks odd.
+ * How the exemplar's file named and placed things: kept with the exemplar and handed back with what is written. `projection` says
+ * where degrees became metres, in degrees.
+ * @typedef {{ projection?: { longitude: number, latitude: number } | null } & Record<string, unknown>} Origin
+ */
+/**
+ * `format` as a person calls it; `declared` says whether the file or the person tells the domain or it was found from the points;
+ * `domains` are others that the points may have been cut from, with a word for each; `notes` tell what was left out, changed or looks odd.
  * @typedef {{ format: string, points: number, classes: { name: string, count: number }[],
- *   attributes: { name: string, min: number, max: number }[], domain: [number, number, number, number], declared: boolean,
- *   boundary: 'open' | 'periodic', spacing: number | null, domains: { name: string, domain: [number, number, number, number] }[], columns: Column[], origin: Origin,
+ *   attributes: { name: string, min: number, max: number }[], domain: Corners, declared: boolean, boundary: 'open' | 'periodic',
+ *   spacing: number | null, domains: { name: string, domain: Corners }[], columns: Column[], origin: Origin,
  *   notes: Note[] }} Preview
  */
 /**

@@ -17,6 +17,7 @@ export { Refused, WorkerDied };
 /** @typedef {import('./files-messages.js').BlobOptions} BlobOptions */
 /** @typedef {import('./files-messages.js').LinkExemplar} LinkExemplar */
 /** @typedef {import('./files-messages.js').FileFormat} FileFormat */
+/** @typedef {import('./files-messages.js').Origin} Origin */
 /** @typedef {import('./files-messages.js').ReadResponse} ReadResponse */
 /** @typedef {import('./files-messages.js').BlobsResponse} BlobsResponse */
 /** @typedef {import('./files-messages.js').WrittenResponse} WrittenResponse */
@@ -48,10 +49,15 @@ export class Files {
    * @param {string} name of the file; its extension helps where the bytes leave a doubt
    * @param {Uint8Array} bytes
    * @param {ReadOptions} [options] what the person knows better than the file
+   * @param {(bitmap: ImageBitmap) => void} [decoded] takes a picture as its points were looked for, also when there are none
    * @returns {Promise<ReadResponse | (BlobsResponse & PictureSize)>} `blobs` when it is a picture
    */
-  read(name, bytes, options = {}) {
-    return this.#ask({ type: 'read', name, bytes, options });
+  async read(name, bytes, options = {}, decoded = (bitmap) => bitmap.close()) {
+    const answer = await this.#ask({ type: 'read', name, bytes, options });
+    if (answer.type !== 'decoded') return answer;
+    decoded(answer.bitmap);
+    if (answer.found.type === 'error') throw new Refused(answer.found);
+    return answer.found;
   }
 
   /**
@@ -69,12 +75,13 @@ export class Files {
    *
    * @param {FileFormat} format
    * @param {PatternData} pattern
-   * @param {{ title?: string, tile?: boolean, glyphs?: Record<string, string>, palette?: string }} [options] `tile`: an SVG that ends at
-   *   the domain's border, so that copies side by side are seamless; `glyphs` and `palette`: how its classes look, see `look.js`
+   * @param {{ title?: string, tile?: boolean, glyphs?: Record<string, string>, palette?: string, origin?: Origin }} [options] `tile`: an
+   *   SVG that ends at the domain's border, so that copies side by side are seamless; `glyphs` and `palette`: how its classes look, see
+   *   `look.js`; `origin`: of the exemplar's file, whose words and coordinates CSV and GeoJSON go on with
    * @returns {Promise<WrittenResponse>}
    */
-  write(format, pattern, { title = '', tile = false, glyphs = {}, palette = '' } = {}) {
-    return this.#ask({ type: 'write', format, pattern, title, tile, glyphs, palette });
+  write(format, pattern, { title = '', tile = false, glyphs = {}, palette = '', origin = {} } = {}) {
+    return this.#ask({ type: 'write', format, pattern, title, tile, glyphs, palette, origin });
   }
 
   /**
@@ -90,8 +97,8 @@ export class Files {
   /**
    * The whole session as a JSON file. Read again it goes on as the very same run: `state` is what the engine's `save` answers.
    *
-   * @param {{ title: string, method: string, preset: string, overrides: Parameters, exemplar: PatternData, output: PatternData | null,
-   *   state: string | null }} project
+   * @param {{ title: string, method: string, preset: string, overrides: Parameters, exemplar: PatternData, origin: Origin,
+   *   output: PatternData | null, state: string | null }} project
    * @returns {Promise<WrittenResponse>}
    */
   writeProject(project) {

@@ -11,12 +11,13 @@
  * @typedef {{ url: string, worker: Worker, module: Promise<WebAssembly.Module | null>, failed: string | null }} Early
  */
 
-/** A request the worker refused, with the sentence it gave. */
+/** A request the worker refused, with the sentence it gave; of a file also the place, and the columns there are to choose from. */
 export class Refused extends Error {
-  /** @param {import('./messages.js').ErrorResponse} response */
+  /** @param {import('./messages.js').ErrorResponse & { columns?: import('./files-messages.js').Column[] }} response */
   constructor(response) {
     super(response.message);
     this.place = response.place;
+    this.columns = response.columns ?? [];
   }
 }
 

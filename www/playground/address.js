@@ -13,8 +13,13 @@ export const replaced = Object.fromEntries(
     .map(([name, value]) => [name, Number(value)]),
 );
 
-/** Whether a fragment is meant to be a link. @param {string} hash */
-const isLink = (hash) => new URLSearchParams(hash.replace(/^#/, '')).has('v');
+/**
+ * Whether a fragment is meant to be a link, also one whose signs were escaped on its way: the reader mends that, or says what is
+ * wrong with it.
+ *
+ * @param {string} hash
+ */
+const isLink = (hash) => /^#?(.*(&|;|%26))?v(=|%(25)*3D)/i.test(hash);
 
 /** The address's link, if it has one. */
 export const linkInAddress = () => (isLink(location.hash) ? location.hash.slice(1) : '');

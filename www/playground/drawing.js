@@ -7,7 +7,7 @@ import { Refused, WorkerDied } from '../common/worker-link.js';
 import { points } from '../common/words.js';
 import { leaveLink } from './address.js';
 import { Editor } from './editor/editor.js';
-import { chooseExemplar } from './state.js';
+import { chooseExemplar, fromFile } from './state.js';
 
 /** @typedef {import('./state.js').PageStore} PageStore */
 /** @typedef {import('./state.js').Chosen} Chosen */
@@ -16,7 +16,7 @@ import { chooseExemplar } from './state.js';
 /**
  * The drawing under way: the card it has or will have, and what there was before it began.
  *
- * @typedef {{ value: string, title: string, isNew: boolean, woven: Pattern | null,
+ * @typedef {{ value: string, title: string, isNew: boolean, woven: Pattern | null, file: import('./state.js').FromFile,
  *   before: Pick<import('./state.js').State, 'chosen' | 'settings'> }} Underway
  */
 
@@ -51,12 +51,12 @@ export class Drawing {
     this.#notices = notices;
     this.#stage = stage;
     this.#link = link;
-    element('draw-own').addEventListener('click', () => this.#draw(blank(), 'A new blank exemplar'));
+    element('draw-own').addEventListener('click', () => this.#draw(blank(), 'A new blank exemplar', {}));
     this.#editButton.addEventListener('click', () => {
       const { chosen } = this.#store.state;
       if (chosen.source.source === 'pattern') {
         const again = isDrawing(chosen);
-        this.#draw(chosen.source.pattern, again ? `Editing ${chosen.title}` : `Editing a copy of ${chosen.title}`, again);
+        this.#draw(chosen.source.pattern, again ? `Editing ${chosen.title}` : `Editing a copy of ${chosen.title}`, chosen, again);
       } else {
         void this.#drawCopy();
       }
@@ -71,9 +71,10 @@ export class Drawing {
   /**
    * @param {Pattern} pattern
    * @param {string} label what was done, for people
+   * @param {import('./state.js').FromFile} file that the pattern comes from
    * @param {boolean} again whether it goes on with the drawing that is chosen
    */
-  #draw(pattern, label, again = false) {
+  #draw(pattern, label, file, again = false) {
     if (!this.editor.isOpen) {
       const { chosen, settings } = this.#store.state;
       const { value, number } = this.#gallery.freeValue('drawing');
@@ -82,6 +83,7 @@ export class Drawing {
         title: again ? chosen.title : number === 1 ? 'Your drawing' : `Your drawing ${number}`,
         isNew: !again,
         woven: null,
+        file: fromFile(file),
         before: { chosen, settings },
       };
     }
@@ -95,7 +97,7 @@ export class Drawing {
     const { title, source } = this.#store.state.chosen;
     try {
       const { pattern } = await this.#link.ask({ type: 'open', exemplar: source });
-      if (this.#store.state.chosen.source === source) this.#draw(pattern, `Editing a copy of ${title}`);
+      if (this.#store.state.chosen.source === source) this.#draw(pattern, `Editing a copy of ${title}`, {});
     } catch (error) {
       if (error instanceof Refused) this.#notices.complain(error.message);
       else if (!(error instanceof WorkerDied)) throw error;
@@ -103,9 +105,9 @@ export class Drawing {
   }
 
   /** @param {Underway} underway @param {Pattern} pattern @returns {Chosen} */
-  #keep({ title, value }, pattern) {
+  #keep({ title, value, file }, pattern) {
     /** @type {Chosen} */
-    const choice = { title, caption: `Drawn here, ${points(count(pattern))}.`, source: sourceOf(pattern), isOwn: true, value };
+    const choice = { title, caption: `Drawn here, ${points(count(pattern))}.`, source: sourceOf(pattern), isOwn: true, value, ...file };
     this.#gallery.keepOwn(choice, viewOf(pattern));
     return choice;
   }

@@ -5,7 +5,7 @@ import { Refused, WorkerDied } from '../common/worker-link.js';
 import { points } from '../common/words.js';
 import { leaveLink } from './address.js';
 import { capital } from './import/import.js';
-import { chooseExemplar } from './state.js';
+import { chooseExemplar, fromFile } from './state.js';
 
 /** @typedef {import('../common/messages.js').PatternData} PatternData */
 /** @typedef {import('../common/files-messages.js').Project} Project */
@@ -39,10 +39,10 @@ export class Opening {
    * @param {boolean} play
    */
   async data(name, bytes, play) {
-    const { pattern, ...read } = await this.#parts.files.read(name, bytes);
+    const { pattern, preview, ...read } = await this.#parts.files.read(name, bytes);
     const project = read.type === 'read' ? read.project : null;
-    if (project) return this.#project(project, pattern, false);
-    await this.#pattern(name, `From the page around this one, ${points(pattern.classes.length)}.`, pattern, false);
+    if (project) return this.#project(project, pattern, preview, false);
+    await this.#pattern(name, `From the page around this one, ${points(pattern.classes.length)}.`, pattern, preview, false);
     await this.#parts.running.begin(play);
   }
 
@@ -52,11 +52,11 @@ export class Opening {
     notices.unnotify();
     try {
       if (project) {
-        await this.#project(project, pattern, true);
+        await this.#project(project, pattern, preview, true);
         return;
       }
       const { value } = gallery.freeValue('own');
-      await this.#pattern(name, `${capital(preview.format)}, ${points(preview.points)}.`, pattern, true, value);
+      await this.#pattern(name, `${capital(preview.format)}, ${points(preview.points)}.`, pattern, preview, true, value);
       leaveLink();
       await running.begin(true);
     } catch (error) {
@@ -67,8 +67,8 @@ export class Opening {
 
   /** The exemplar as a link holds it, so that whoever opens the link has the same run. @param {PatternData} pattern */
   async adopt(pattern) {
-    const { title, caption, isOwn = false } = this.#parts.store.state.chosen;
-    await this.#pattern(title, caption, pattern, isOwn);
+    const { chosen } = this.#parts.store.state;
+    await this.#pattern(chosen.title, chosen.caption, pattern, chosen, chosen.isOwn ?? false);
     await this.#parts.running.begin(true);
   }
 
@@ -78,13 +78,14 @@ export class Opening {
    * @param {string} title
    * @param {string} caption
    * @param {PatternData} pattern
+   * @param {import('./state.js').FromFile} file that it comes from
    * @param {boolean} isOwn whether the person gave it, not another page
    * @param {string} [value] of its card
    */
-  async #pattern(title, caption, pattern, isOwn, value = 'own') {
+  async #pattern(title, caption, pattern, file, isOwn, value = 'own') {
     const { link, drawing, gallery, store } = this.#parts;
     /** @type {import('./state.js').Chosen} */
-    const choice = { title, caption, source: sourceOf(pattern, title), isOwn, value };
+    const choice = { title, caption, source: sourceOf(pattern, title), isOwn, value, ...fromFile(file) };
     const { exemplar } = await link.ask({ type: 'open', exemplar: choice.source });
     drawing.leave();
     gallery.keepOwn(choice, exemplar);
@@ -96,11 +97,12 @@ export class Opening {
    *
    * @param {Project} project
    * @param {PatternData} pattern
+   * @param {import('./state.js').FromFile} file
    * @param {boolean} isOwn
    */
-  async #project({ title, method, preset, overrides, state }, pattern, isOwn) {
+  async #project({ title, method, preset, overrides, state }, pattern, file, isOwn) {
     const { settings, chart, running, notices } = this.#parts;
-    await this.#pattern(title || 'Project', `From a project, ${points(pattern.classes.length)}.`, pattern, isOwn);
+    await this.#pattern(title || 'Project', `From a project, ${points(pattern.classes.length)}.`, pattern, file, isOwn);
     settings.apply(method, preset, overrides);
     leaveLink();
     chart.keep();

@@ -8,7 +8,7 @@
 
 /**
  * @typedef {object} Kept
- * @property {{ title: string, caption: string, source: Source, isOwn?: boolean, value?: string }} chosen
+ * @property {{ title: string, caption: string, source: Source, isOwn?: boolean, value?: string } & import('./state.js').FromFile} chosen
  * @property {Record<string, string | boolean>} settings
  * @property {string} fragment the address's link, when this was kept
  * @property {import('../common/messages.js').Parameters} beyond what no control shows

@@ -9,8 +9,12 @@ import { Store } from '../common/store.js';
 /** @typedef {PatternView['boundary']} Boundary */
 
 /**
+ * How the exemplar's file named and placed things, and what kind of file it was: goes along with the exemplar, for what is written of it.
+ * @typedef {{ format?: string, origin?: import('../common/files-messages.js').Origin }} FromFile
+ */
+/**
  * An exemplar: what it is called, where it comes from, whether it is the person's own (opened or drawn here), and the value of its card.
- * @typedef {{ title: string, caption: string, source: Source, isOwn?: boolean, value: string }} Chosen
+ * @typedef {{ title: string, caption: string, source: Source, isOwn?: boolean, value: string } & FromFile} Chosen
  */
 
 /**
@@ -120,6 +124,9 @@ export function chooseExemplar(store, chosen, boundary) {
   const beyond = without(settings.beyond, 'boundary');
   store.update({ chosen, settings: { ...settings, boundary, knowsBoundary: true, beyond } });
 }
+
+/** What a file has left with an exemplar, for another that is made of it. @param {FromFile} chosen @returns {FromFile} */
+export const fromFile = ({ format, origin }) => ({ format, origin });
 
 /** Whether the exemplar is the person's own, not the gallery's, a link's, or the page's around this one. @param {State} state */
 export const isPrivate = ({ chosen }) => chosen.source.source !== 'gallery' && chosen.isOwn === true;

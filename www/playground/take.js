@@ -18,7 +18,7 @@ const HOLD_MS = 10_000;
 /**
  * @typedef {object} Hooks
  * @property {() => { glyphs: Record<string, string>, palette: string }} look
- * @property {() => { title: string, source: import('../common/messages.js').Source }} chosen
+ * @property {() => import('./state.js').Chosen} chosen
  * @property {(sentence: string) => void} complain
  * @property {(sentence: string) => void} announce
  */
@@ -64,7 +64,7 @@ export class Take {
     this.#run = run;
     this.#stage = stage;
     this.#hooks = hooks;
-    for (const format of /** @type {const} */ (['csv', 'svg', 'npy'])) {
+    for (const format of /** @type {const} */ (['csv', 'geojson', 'svg', 'npy'])) {
       this.#on(`download-${format}`, () => this.#file(format));
     }
     this.#on('download-tile-svg', () => this.#file('svg', true));
@@ -84,7 +84,14 @@ export class Take {
    * @param {boolean} periodic only what tiles can be had as a tile
    */
   describe(count, periodic) {
-    element('download-csv').title = `${count}, one line each, in the exemplar's own units`;
+    element('download-csv').title = `${count}, one line each, with the exemplar's own columns and units`;
+    const { format, origin } = this.#hooks.chosen();
+    // What came from a map goes back to one.
+    const isMap = format === 'GeoJSON' || Boolean(origin?.projection);
+    const [csv, geojson] = [element('download-csv'), element('download-geojson')];
+    if (isMap) csv.before(geojson);
+    else csv.after(geojson);
+    geojson.title = origin?.projection ? `${count}, in degrees where the exemplar's are` : `${count}, for a map or a GIS`;
     element('tile-downloads').hidden = !periodic;
   }
 
@@ -110,10 +117,10 @@ export class Take {
   /** @param {FileFormat} format @param {boolean} [tile] */
   async #file(format, tile = false) {
     const pattern = await this.#run.export();
-    const { title } = this.#hooks.chosen();
-    const { bytes, mime, extension } = await this.#files.write(format, pattern, { title, tile, ...this.#hooks.look() });
+    const { title, origin } = this.#hooks.chosen();
+    const { bytes, mime, extension } = await this.#files.write(format, pattern, { title, tile, origin, ...this.#hooks.look() });
     give(asBlob(bytes, mime), this.#name(extension, tile ? '-tile' : ''));
-    this.#hooks.announce(`${points(pattern.classes.length)} saved as ${extension.slice(1).toUpperCase()}.`);
+    this.#hooks.announce(`${points(pattern.classes.length)} saved as ${format === 'geojson' ? 'GeoJSON' : extension.slice(1).toUpperCase()}.`);
   }
 
   #readWidth() {
@@ -148,7 +155,7 @@ export class Take {
   }
 
   async #copyTable() {
-    const written = this.#run.export().then((pattern) => this.#files.write('tsv', pattern));
+    const written = this.#run.export().then((pattern) => this.#files.write('tsv', pattern, { origin: this.#hooks.chosen().origin }));
     const done = await copy('text/plain', written.then(({ bytes }) => asBlob(bytes, 'text/plain')));
     if (done) this.#hooks.announce('The table is on the clipboard.');
     this.#tell('copy-table', done, 'Copied');
@@ -169,7 +176,7 @@ export class Take {
   async project() {
     const { plan } = this.#run;
     if (!plan) return;
-    const { title, source } = this.#hooks.chosen();
+    const { title, source, origin = {} } = this.#hooks.chosen();
     // Asked for in one breath, so that both are of the same moment.
     const [{ pattern }, output, state] = await Promise.all([
       this.#link.ask({ type: 'open', exemplar: source }),
@@ -182,6 +189,7 @@ export class Take {
       preset: plan.preset,
       overrides: plan.overrides,
       exemplar: pattern,
+      origin,
       output,
       state,
     });

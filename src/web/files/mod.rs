@@ -69,14 +69,14 @@ pub fn respond(request: FilesRequest) -> FilesResponse {
         FilesRequest::ReadLink { fragment } => open_link(&fragment),
     };
     response.unwrap_or_else(|refusal| {
-        let position = match &refusal {
-            Refusal::File { error, .. } => error.position(),
-            Refusal::Format(error) => error.position(),
-            _ => None,
+        let (position, columns) = match &refusal {
+            Refusal::File { error, .. } => (error.position(), error.columns().to_vec()),
+            Refusal::Format(error) => (error.position(), error.columns().to_vec()),
+            _ => (None, Vec::new()),
         };
         let place =
             position.map(|(line, column)| Place { line: line as u64, column: column.map(|column| column as u64) });
-        FilesResponse::Error { message: refusal.to_string(), place }
+        FilesResponse::Error { message: refusal.to_string(), place, columns }
     })
 }
 

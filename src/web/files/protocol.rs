@@ -258,6 +258,9 @@ pub enum FilesResponse {
         message: String,
         /// Where in the file, when it is about a file.
         place: Option<Place>,
+        /// What there is to choose from, when another choice of columns may help.
+        #[serde(default)]
+        columns: Vec<Column>,
     },
 }
 

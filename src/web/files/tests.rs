@@ -99,6 +99,9 @@ fn refusals_name_the_file_and_the_place() {
     assert_eq!(answer["place"], json!({ "line": 3, "column": 2 }), "{answer}");
     let message = answer["message"].as_str().unwrap();
     assert!(message.starts_with("mine.csv: line 3, column 2") && message.contains("oops"), "{message}");
+    let columns = open("a.csv", b"mass,height\n0.5,0.5\n0.2,0.1\n")["columns"].clone();
+    let mass = json!({ "name": "mass", "role": { "kind": "left-out" }, "examples": ["0.5", "0.2"], "isNumeric": true });
+    assert_eq!((&columns[0], columns.as_array().unwrap().len()), (&mass, 2), "so that others can be chosen");
     let answer = open("", b"[[0.5, 0.5],\n [0.5]]");
     assert_eq!(answer["place"], json!({ "line": 2, "column": 2 }), "{answer}");
     assert!(answer["message"].as_str().unwrap().starts_with("line 2, column 2 (point 2"), "{answer}");

@@ -4,39 +4,35 @@
  * read on this machine, shown with what was understood of it, and used only when the person says so.
  */
 import { areThings, drawPoints, markRadius, prepare, readColours, tracePreview } from '../../common/draw.js';
+import { element, input } from '../../common/elements.js';
 import { fetchBytes, nameOf, NotFetched, requestedAddress, webAddress } from '../../common/fetching.js';
 import { LARGEST_FILE, Refused, WorkerDied } from '../../common/files.js';
-import { offending } from './offending.js';
 import { viewOf } from '../../common/pattern-source.js';
 import { points } from '../../common/words.js';
+import { Columns } from './columns.js';
+import { showExcerpt } from './excerpt.js';
+import { Extent, number } from './extent.js';
+import { showNotes } from './notes.js';
+import { drawPicture, Picture } from './picture.js';
 
 /** @typedef {import('../../common/messages.js').PatternData} PatternData */
 /** @typedef {import('../../common/files-messages.js').Preview} Preview */
 /** @typedef {import('../../common/files-messages.js').Project} Project */
 /** @typedef {import('../../common/files-messages.js').ReadOptions} ReadOptions */
 /** @typedef {import('../../common/files.js').BlobOptions} BlobOptions */
+/** @typedef {import('./notes.js').Said} Said */
+/** @typedef {import('../../common/worker-link.js').Refused['place']} Place */
 /** @typedef {'ask' | 'paste' | 'reading' | 'preview' | 'error'} Stage */
 /** @typedef {{ name: string, pattern: PatternData, preview: Preview, project: Project | null }} Imported */
 /**
- * What is being looked at; `picture` is the decoded one, as it is shown.
- * @typedef {{ name: string, bytes: Uint8Array, picture: ImageBitmap | null, pattern: PatternData | null, preview: Preview | null,
- *   project: Project | null, options: ReadOptions, blobs: BlobOptions, remark: string }} Candidate
+ * What is being looked at; `picture` is the decoded one, as it is shown, and `found` where its dots are parted from the rest.
+ * @typedef {{ name: string, bytes: Uint8Array, picture: ImageBitmap | null, found: import('./picture.js').Found | null,
+ *   pattern: PatternData | null, preview: Preview | null, project: Project | null, options: ReadOptions, blobs: BlobOptions,
+ *   remark: Said | null }} Candidate
  */
 
 /** A slider in motion is answered when it has come to rest for a moment. */
 const SETTLE_MS = 60;
-/** Twenty steps of the sliders for areas are a factor of ten. */
-const STEPS_A_DECADE = 20;
-
-/**
- * @template {HTMLElement} [E=HTMLElement]
- * @param {string} id
- */
-const element = (id) => /** @type {E} */ (document.getElementById(id));
-const input = (/** @type {string} */ id) => /** @type {HTMLInputElement} */ (element(id));
-
-/** Five digits are enough to recognise a number. @param {number} value */
-const number = (value) => String(Number(value.toPrecision(5)));
 
 /** @param {string} words */
 export const capital = (words) => words.charAt(0).toUpperCase() + words.slice(1);
@@ -60,6 +56,21 @@ export class Import {
   #settling;
   /** Whether something of this page is being dragged; it is no import. */
   #dragsOwn = false;
+  #columns = new Columns({
+    choose: (choice) => this.#reread(({ columns: before, ...options }) => {
+      // Other columns lie elsewhere.
+      const stays = (before?.x ?? null) === (choice?.x ?? null) && (before?.y ?? null) === (choice?.y ?? null);
+      return { ...options, ...(choice && { columns: choice }), domain: stays ? options.domain : null };
+    }),
+    object: (message) => this.#incomplete(message),
+  });
+  #extent = new Extent({
+    domain: (domain) => this.#reread((options) => ({ ...options, domain })),
+    // A rectangle in metres is none in degrees.
+    degrees: (keepsDegrees) => this.#reread((options) => ({ ...options, keepsDegrees, domain: null })),
+    object: (message) => this.#incomplete(message),
+  });
+  #picture = new Picture((changed) => this.#look(changed));
 
   /**
    * @param {import('../../common/files.js').Files} files
@@ -76,8 +87,8 @@ export class Import {
 
   // -------------------------------------------------------------------------------------------- ways in
 
-  /** @param {File} file @param {string} [remark] */
-  async openFile(file, remark = '') {
+  /** @param {File} file @param {Said | null} [remark] */
+  async openFile(file, remark = null) {
     const epoch = this.#begin(file.name);
     if (file.size > LARGEST_FILE) {
       this.#fail(`it has ${Math.ceil(file.size / 1e6)} MB; at most ${LARGEST_FILE / 1e6} MB are read`);
@@ -94,7 +105,7 @@ export class Import {
   /** @param {string} text */
   async openText(text) {
     this.#begin('Pasted points');
-    await this.#read('', new TextEncoder().encode(text), '');
+    await this.#read('', new TextEncoder().encode(text), null);
   }
 
   /** Asks before anything is fetched. @param {string} text an address, relative to the page if it is of the same site */
@@ -135,7 +146,7 @@ export class Import {
   #take(transfer) {
     const [file, ...others] = transfer.files;
     if (file) {
-      void this.openFile(file, others.length > 0 ? `Only the first of ${others.length + 1} files is opened.` : '');
+      void this.openFile(file, others.length > 0 ? { kind: 'left-out', text: `Only the first of ${others.length + 1} files is opened.` } : null);
       return true;
     }
     const links = transfer.getData('text/uri-list').split(/\r?\n/).filter((line) => line && !line.startsWith('#'));
@@ -158,7 +169,7 @@ export class Import {
     const epoch = this.#begin(nameOf(address));
     try {
       const bytes = await fetchBytes(address, LARGEST_FILE, this.#abort.signal);
-      if (epoch === this.#epoch) await this.#read(nameOf(address), bytes, `From ${address.host}.`);
+      if (epoch === this.#epoch) await this.#read(nameOf(address), bytes, { kind: 'told', text: `From ${address.host}.` });
     } catch (error) {
       if (epoch !== this.#epoch) return;
       if (error instanceof NotFetched) this.#fail(error.message);
@@ -188,44 +199,57 @@ export class Import {
   /**
    * @param {string} name empty for text from the clipboard
    * @param {Uint8Array} bytes
-   * @param {string} remark what to say beside the notes of the file
+   * @param {Said | null} remark what to say beside the notes of the file
    */
   async #read(name, bytes, remark) {
-    const epoch = this.#epoch;
-    const blob = new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (bytes)]);
-    // Only pictures can be decoded so; an SVG needs its type to be taken for one.
-    const picture = name === '' ? null : await createImageBitmap(blob).catch(() => null);
-    if (epoch !== this.#epoch) {
-      picture?.close();
-      return;
-    }
-    const candidate = { name, bytes, picture, pattern: null, preview: null, project: null, options: {}, blobs: {}, remark };
-    this.#candidate = candidate;
-    if (picture) this.#resetBlobs();
+    this.#candidate = {
+      name, bytes, picture: null, found: null, pattern: null, preview: null, project: null, options: {}, blobs: {}, remark,
+    };
+    this.#columns.reset();
+    this.#extent.reset();
+    this.#picture.reset();
+    element('import-status').textContent = '';
     await this.#readAgain();
+  }
+
+  /** The person knows something better. @param {(options: ReadOptions) => ReadOptions} change */
+  #reread(change) {
+    if (!this.#candidate) return;
+    this.#candidate.options = change(this.#candidate.options);
+    void this.#readAgain();
   }
 
   /** Reads the candidate with its options as they are now. */
   async #readAgain() {
     const candidate = this.#candidate;
     if (!candidate) return;
-    const { name, bytes, options, picture } = candidate;
-    // A wrong choice leaves what there was, so that it can be put right.
-    const stays = candidate.preview !== null || picture !== null;
+    const { name, bytes, options } = candidate;
     try {
-      const answer = await this.#files.read(name, bytes, options);
-      if (candidate !== this.#candidate) return;
+      const answer = await this.#files.read(name, bytes, options, (bitmap) => this.#decoded(candidate, bitmap));
+      // What has been chosen since is being read, too.
+      if (candidate !== this.#candidate || options !== candidate.options) return;
       if (answer.type === 'blobs') this.#found(answer);
       else {
         Object.assign(candidate, { pattern: answer.pattern, preview: answer.preview, project: answer.project });
+        this.#columns.read(answer.preview.columns);
         this.#showPreview();
       }
     } catch (error) {
-      if (candidate !== this.#candidate) return;
-      const message = this.#wordsFor(error);
-      if (stays) this.#object(message);
-      else this.#fail(message, error instanceof Refused ? error.place : null);
+      if (candidate !== this.#candidate || options !== candidate.options) return;
+      const { place, columns } = error instanceof Refused ? error : { place: null, columns: [] };
+      const isFirst = candidate.preview === null && candidate.picture === null;
+      // A wrong choice leaves what there was, so that it can be put right.
+      if (isFirst && columns.length === 0) return this.#fail(this.#wordsFor(error), place);
+      this.#columns.refused(columns);
+      this.#object(this.#wordsFor(error), place);
     }
+  }
+
+  /** @param {Candidate} candidate @param {ImageBitmap} bitmap */
+  #decoded(candidate, bitmap) {
+    if (candidate !== this.#candidate) return bitmap.close();
+    candidate.picture?.close();
+    candidate.picture = bitmap;
   }
 
   async #findAgain() {
@@ -240,20 +264,20 @@ export class Import {
   }
 
   /** @param {import('../../common/files.js').BlobsResponse} answer */
-  #found({ pattern, preview, threshold }) {
+  #found({ pattern, preview, threshold, ink }) {
     const candidate = this.#candidate;
     if (!candidate) return;
     const boundary = candidate.options.boundary ?? pattern.boundary;
-    Object.assign(candidate, { pattern: { ...pattern, boundary }, preview: { ...preview, boundary } });
-    input('import-threshold').value = String(threshold);
-    element('import-threshold-value').textContent = String(threshold);
-    element('import-otsu').setAttribute('aria-pressed', String((candidate.blobs.threshold ?? null) === null));
+    Object.assign(candidate, { pattern: { ...pattern, boundary }, preview: { ...preview, boundary }, found: { threshold, ink } });
+    this.#picture.show(threshold, (candidate.blobs.threshold ?? null) === null);
     this.#showPreview();
   }
 
-  /** @param {unknown} error */
+  /** @param {unknown} error @returns {string} a sentence of the library; those begin small and have no full stop */
   #wordsFor(error) {
-    if (error instanceof Refused) return error.message;
+    // The title says the name already.
+    const prefix = `${this.#candidate?.name}: `;
+    if (error instanceof Refused) return error.message.startsWith(prefix) ? error.message.slice(prefix.length) : error.message;
     if (error instanceof WorkerDied) return `it takes too long or can't be read (${error.message})`;
     return error instanceof Error ? error.message : String(error);
   }
@@ -268,73 +292,70 @@ export class Import {
     element('import-read').hidden = stage !== 'paste';
     element('import-another').hidden = stage !== 'error';
     element('import-cancel').textContent = stage === 'error' ? 'Close' : 'Cancel';
+    element('import-said').hidden = true;
     for (const section of this.#dialog.querySelectorAll('section')) section.hidden = section.dataset.stage !== stage;
     if (!this.#dialog.open) this.#dialog.showModal();
   }
 
-  /**
-   * @param {string} message a sentence of the library; those begin small and have no full stop
-   * @param {import('../../common/worker-link.js').Refused['place']} [place]
-   */
+  /** @param {string} message @param {Place} [place] */
   #fail(message, place = null) {
-    const candidate = this.#candidate;
-    // The title says the name already.
-    const prefix = `${candidate?.name}: `;
-    element('import-error').textContent = sentence(message.startsWith(prefix) ? message.slice(prefix.length) : message);
-    const excerpt = element('import-excerpt');
-    const lines = place && candidate ? offending(new TextDecoder().decode(candidate.bytes), place) : [];
-    excerpt.hidden = lines.length === 0;
-    excerpt.replaceChildren(
-      ...lines.map(({ number, text, mark }) => {
-        const row = document.createElement('span');
-        row.className = 'line';
-        row.toggleAttribute('data-wrong', number === place?.line);
-        const count = document.createElement('span');
-        count.className = 'line-number';
-        count.textContent = String(number);
-        const words = document.createElement('code');
-        if (mark) {
-          const wrong = document.createElement('mark');
-          wrong.textContent = text.slice(...mark);
-          words.append(text.slice(0, mark[0]), wrong, text.slice(mark[1]));
-        } else {
-          words.textContent = text;
-        }
-        row.append(count, words);
-        return row;
-      }),
-    );
+    element('import-error').textContent = sentence(message);
+    showExcerpt(element('import-excerpt'), this.#candidate?.bytes ?? null, place);
     this.#show('error');
     element('import-another').focus();
   }
 
-  /** Something about the choices in the preview is wrong; what is there stays. @param {string} message */
-  #object(message) {
+  /** Nothing can be read as the choices are now, and what is being read is out of date. @param {string} message */
+  #incomplete(message) {
+    if (this.#candidate) this.#candidate.options = { ...this.#candidate.options };
+    this.#object(message);
+  }
+
+  /** Something about the choices in the preview is wrong; what is there stays. @param {string} message @param {Place} [place] */
+  #object(message, place = null) {
     const candidate = this.#candidate;
     if (candidate) candidate.pattern = null;
-    this.#showPreview();
-    element('import-objection').textContent = sentence(message);
-    input('import-use').disabled = true;
+    this.#showPreview({ message: sentence(message), place });
   }
 
-  #showPreview() {
+  /** @param {{ message: string, place: Place }} [objection] why nothing can be used */
+  #showPreview({ message, place } = { message: '', place: null }) {
     const candidate = this.#candidate;
     if (!candidate) return;
-    const { preview, picture, pattern, remark, project } = candidate;
+    const { preview, picture, pattern, bytes } = candidate;
     const wasShown = this.#dialog.dataset.stage === 'preview';
     this.#show('preview');
-    element('import-objection').textContent = '';
+    element('import-objection').textContent = message;
+    element('import-said').hidden = message === '';
+    showExcerpt(element('import-place'), bytes, place);
     input('import-use').disabled = pattern === null;
+    // Nothing has been read yet: perhaps it is the file that is wrong.
+    const isNothing = preview === null && picture === null;
+    element('import-another').hidden = !isNothing;
+    element('import-use').hidden = isNothing;
     element('import-picture').hidden = picture === null;
-    element('import-domain').hidden = picture !== null || preview === null;
-    element('import-facts').hidden = preview === null;
-    if (preview) this.#showFacts(preview, remark, project);
+    for (const id of ['import-facts', 'import-choices']) element(id).hidden = preview === null;
+    if (preview) this.#showFacts(candidate, preview);
+    else showNotes([]);
+    if (!pattern) element('import-canvas').setAttribute('aria-label', 'No points');
     this.#draw();
-    if (!wasShown) input('import-use').focus();
+    if (wasShown) element('import-status').textContent = preview && pattern ? this.#summary(preview) : '';
+    else if (pattern) input('import-use').focus();
+    else if (picture) input('import-threshold').focus();
+    else this.#columns.focus();
+    // What it is about may have been pushed out of sight.
+    if (wasShown && message) document.activeElement?.scrollIntoView({ block: 'nearest' });
   }
 
-  /** @param {Preview} preview @param {string} remark @param {Project | null} project */
-  #showFacts({ format, points: total, classes, attributes, domain, declared, boundary, notes }, remark, project) {
+  /** For those who don't see what another choice has changed. @param {Preview} preview */
+  #summary({ points: total, notes }) {
+    const noted = notes.length === 0 ? '' : notes.length === 1 ? ' One note.' : ` ${notes.length} notes.`;
+    return `${points(total)}.${noted}`;
+  }
+
+  /** @param {Candidate} candidate @param {Preview} preview */
+  #showFacts({ remark, project, picture, options }, preview) {
+    const { format, points: total, classes, attributes, domain, boundary, notes } = preview;
     const [x0, y0, x1, y1] = domain.map(number);
     element('import-format').textContent = project ? `${capital(format)}, a session that goes on where it was saved` : capital(format);
     element('import-points').textContent = points(total);
@@ -352,18 +373,11 @@ export class Import {
     );
     element('import-attributes').textContent =
       attributes.map(({ name, min, max }) => `${name} ${min === max ? number(min) : `${number(min)} to ${number(max)}`}`).join(', ') || 'none';
-    element('import-extent').textContent = `${x0} to ${x1} × ${y0} to ${y1}${declared ? '' : ', found from the points'}`;
-    for (const [i, id] of ['x0', 'y0', 'x1', 'y1'].entries()) {
-      const field = input(`import-${id}`);
-      if (document.activeElement !== field) field.value = String(domain[i]);
-    }
+    this.#extent.show(preview, options, picture !== null);
     for (const radio of this.#dialog.querySelectorAll('input[name="import-boundary"]')) {
       /** @type {HTMLInputElement} */ (radio).checked = /** @type {HTMLInputElement} */ (radio).value === boundary;
     }
-    const list = element('import-notes');
-    const said = [remark, ...notes.map(({ text }) => text)].filter(Boolean);
-    list.hidden = said.length === 0;
-    list.replaceChildren(...said.map((note) => Object.assign(document.createElement('li'), { textContent: note })));
+    showNotes([...(remark ? [remark] : []), ...notes]);
     element('import-canvas').setAttribute('aria-label', `${points(total)} in a rectangle from ${x0}, ${y0} to ${x1}, ${y1}`);
   }
 
@@ -373,9 +387,12 @@ export class Import {
     const canvas = /** @type {HTMLCanvasElement} */ (element('import-canvas'));
     const place = /** @type {HTMLElement} */ (canvas.parentElement);
     if (!candidate || place.clientWidth === 0) return;
-    const { pattern, picture } = candidate;
+    const { pattern, picture, found } = candidate;
     const ratio = picture ? picture.width / picture.height : pattern ? pattern.domain[2] / pattern.domain[3] : 1;
-    const [roomX, roomY] = [place.clientWidth, Math.min(340, 0.42 * window.innerHeight)];
+    const [roomX, most] = [place.clientWidth, Math.min(340, 0.42 * window.innerHeight)];
+    // A picture stays as large as it is; the rectangle of points may change with every choice.
+    const roomY = picture ? Math.min(most, roomX / ratio) : most;
+    place.style.height = picture ? `${roomY}px` : '';
     const margin = picture ? 0 : 8;
     const width = Math.min(roomX - 2 * margin, (roomY - 2 * margin) * ratio);
     const height = width / ratio;
@@ -383,14 +400,7 @@ export class Import {
     canvas.style.height = `${height + 2 * margin}px`;
     const context = prepare(canvas, width + 2 * margin, height + 2 * margin);
     const colours = readColours();
-    if (picture) {
-      context.drawImage(picture, 0, 0, width, height);
-      // Less contrast, so that the rings are seen on any picture.
-      context.fillStyle = colours.card;
-      context.globalAlpha = 0.55;
-      context.fillRect(0, 0, width, height);
-      context.globalAlpha = 1;
-    }
+    if (picture) drawPicture(canvas, picture, found, colours);
     if (!pattern) return;
     const view = viewOf(pattern);
     const scale = Math.max(width, height);
@@ -420,35 +430,16 @@ export class Import {
 
   // -------------------------------------------------------------------------------------------- pictures
 
-  #resetBlobs() {
-    input('import-threshold').value = '128';
-    element('import-threshold-value').textContent = '';
-    input('import-smallest').value = input('import-smallest').min;
-    input('import-largest').value = input('import-largest').max;
-    /** @type {HTMLInputElement} */ (this.#dialog.querySelector('input[name="import-ink"][value="auto"]')).checked = true;
-    this.#showAreas();
-  }
-
-  /** Areas of the sliders in pixels; null at the end where nothing is asked. */
-  #areas() {
-    const [smallest, largest] = [input('import-smallest'), input('import-largest')];
-    const area = (/** @type {HTMLInputElement} */ slider) => Math.round(10 ** (Number(slider.value) / STEPS_A_DECADE));
-    return {
-      minArea: smallest.value === smallest.min ? null : area(smallest),
-      maxArea: largest.value === largest.max ? null : area(largest),
-    };
-  }
-
-  #showAreas() {
-    const { minArea, maxArea } = this.#areas();
-    element('import-smallest-value').textContent = minArea === null ? 'auto' : `${minArea} px`;
-    element('import-largest-value').textContent = maxArea === null ? 'any' : `${maxArea} px`;
-  }
-
   /** @param {BlobOptions} changed */
   #look(changed) {
-    if (!this.#candidate) return;
-    Object.assign(this.#candidate.blobs, changed);
+    const candidate = this.#candidate;
+    if (!candidate) return;
+    Object.assign(candidate.blobs, changed);
+    // The picture follows at once; where its points are is answered a moment later.
+    if (candidate.found && changed.threshold != null) {
+      candidate.found = { ...candidate.found, threshold: changed.threshold };
+      this.#draw();
+    }
     clearTimeout(this.#settling);
     this.#settling = setTimeout(() => void this.#findAgain(), SETTLE_MS);
   }
@@ -526,41 +517,9 @@ export class Import {
         const candidate = this.#candidate;
         if (!candidate) return;
         const boundary = /** @type {PatternData['boundary']} */ (/** @type {HTMLInputElement} */ (radio).value);
+        if (!candidate.picture) return this.#reread((options) => ({ ...options, boundary }));
         candidate.options.boundary = boundary;
-        if (candidate.picture) {
-          if (candidate.pattern) candidate.pattern = { ...candidate.pattern, boundary };
-        } else void this.#readAgain();
-      });
-    }
-    const corners = ['x0', 'y0', 'x1', 'y1'].map((id) => input(`import-${id}`));
-    for (const field of corners) {
-      field.addEventListener('change', () => {
-        const candidate = this.#candidate;
-        if (!candidate) return;
-        const domain = corners.map(({ valueAsNumber }) => valueAsNumber);
-        if (domain.some(Number.isNaN)) {
-          this.#object('each corner of the domain must be a number');
-          return;
-        }
-        candidate.options.domain = /** @type {[number, number, number, number]} */ (domain);
-        void this.#readAgain();
-      });
-    }
-    input('import-threshold').addEventListener('input', () => {
-      const threshold = input('import-threshold').valueAsNumber;
-      element('import-threshold-value').textContent = String(threshold);
-      this.#look({ threshold });
-    });
-    element('import-otsu').addEventListener('click', () => this.#look({ threshold: null }));
-    for (const radio of dialog.querySelectorAll('input[name="import-ink"]')) {
-      radio.addEventListener('change', () => {
-        this.#look({ ink: /** @type {'auto' | 'dark' | 'light'} */ (/** @type {HTMLInputElement} */ (radio).value) });
-      });
-    }
-    for (const id of ['import-smallest', 'import-largest']) {
-      input(id).addEventListener('input', () => {
-        this.#showAreas();
-        this.#look(this.#areas());
+        if (candidate.pattern) candidate.pattern = { ...candidate.pattern, boundary };
       });
     }
     new ResizeObserver(() => this.#draw()).observe(element('import-board'));
