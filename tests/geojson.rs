@@ -432,7 +432,7 @@ fn what_is_no_degrees_comes_back_to_the_last_digit() {
     // The corners of a domain in degrees are points like others.
     let projection =
         opened(&collection(&degrees().iter().map(|at| feature(at.to_vec(), json!({}))).collect::<Vec<_>>())).origin;
-    for side in [0.5, 3.0, 1234.567_891_234, 99_999.9] {
+    for side in [0.5, 3.0, 1_234.567_891_234, 99_999.9] {
         let domain = Domain::new(DVec2::new(-side / 3.0, 0.1), DVec2::splat(side)).unwrap();
         let corners = vec![domain.min(), domain.max(), DVec2::new(domain.min().x, domain.max().y)];
         let pattern = PointPattern::new(domain, corners).unwrap();

@@ -190,3 +190,18 @@ fn marks_on_a_transparent_ground() {
     is_all(&blobs);
     assert!(!blobs.is_by_opacity && blobs.reading.notes.is_empty());
 }
+
+/// Nothing that is looked for takes long, whatever the picture.
+#[test]
+fn the_largest_picture_is_read_in_seconds() {
+    let side = 4096;
+    let noise = |i: usize| (i.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 56) as u8;
+    for of in [noise, |i: usize| ((i % 4096) / 16) as u8 / 2 + u8::from(i % 3 == 0) * 90] {
+        let pixels: Vec<u8> = (0..side * side).flat_map(|i| [of(i), of(i), of(i), 255 - of(i)]).collect();
+        let picture = Picture::new(side, side, pixels).unwrap();
+        let start = std::time::Instant::now();
+        let _ = find_blobs(&picture, &BlobOptions::default(), &ReadOptions::default());
+        assert!(start.elapsed().as_secs() < 30, "{:?}", start.elapsed());
+        println!("{:?}", start.elapsed());
+    }
+}

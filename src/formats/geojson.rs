@@ -299,11 +299,11 @@ impl<'a> Found<'a> {
 
 /// Domain, boundary and classes that [`write_geojson`] left beside the features.
 fn declared(own: &Map<String, Value>) -> Declared {
-    let mut declared = Declared::default();
-    declared.domain = own.get("domain").and_then(|value| match <[f64; 4]>::deserialize(value) {
+    let domain = own.get("domain").and_then(|value| match <[f64; 4]>::deserialize(value) {
         Ok([x0, y0, x1, y1]) => Domain::new(DVec2::new(x0, y0), DVec2::new(x1 - x0, y1 - y0)).ok(),
         Err(_) => Domain::deserialize(value).ok(),
     });
+    let mut declared = Declared { domain, ..Declared::default() };
     declared.boundary = match own.get("boundary").and_then(Value::as_str) {
         Some("periodic") => Some(Boundary::Periodic),
         Some("open") => Some(Boundary::Open),

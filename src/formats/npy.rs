@@ -73,9 +73,9 @@ impl<'a> Array<'a> {
                 sides.push(1);
             }
         }
-        let (rows, across) = match sides.as_slice() {
-            &[rows] => (rows, 1),
-            &[rows, columns] => (rows, columns),
+        let (rows, across) = match *sides.as_slice() {
+            [rows] => (rows, 1),
+            [rows, columns] => (rows, columns),
             _ => {
                 return refuse(shape_at, format!("its shape is ({words}); N rows of x, y and perhaps more are needed"));
             }
