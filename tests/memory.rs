@@ -52,6 +52,26 @@ fn filled(start: &str, piece: &str, end: &str, length: usize) -> Vec<u8> {
     [start, &piece.repeat(count), end].concat().into_bytes()
 }
 
+/// As many rules as there may be, for as many elements.
+fn rules_for_all() -> Vec<u8> {
+    let sheet = filled("<svg><style>", "* > * g, * + g{r:1}", "</style>", 50_000);
+    filled(&String::from_utf8(sheet).unwrap(), "<g/>", "</svg>", 1_600_000)
+}
+
+/// A path of the most bytes that is shown as often as may be.
+fn shown_again() -> Vec<u8> {
+    let start = "<svg><defs><path id='a' d='M0 0";
+    let path = filled(start, "h1v1c1 1 1 1 1 1z", "'/></defs>", 1_000_000);
+    filled(&String::from_utf8(path).unwrap(), "<use href='#a'/>", "</svg>", 6_000_000)
+}
+
+/// A clip path of a megabyte, and as many marks as there may be that are cut by it.
+fn clipped(start: &str, piece: &str, end: &str) -> Vec<u8> {
+    let clip = filled(&format!("<svg>{start}"), piece, end, 1_000_000);
+    let clip = String::from_utf8(clip).unwrap();
+    filled(&format!("{clip}<g clip-path='url(#c)'>"), "<circle cx='2' cy='3' r='1'/>", "</g></svg>", 6_000_000)
+}
+
 fn npy(shape: &str) -> Vec<u8> {
     let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
     let length = (header.len() as u16).to_le_bytes();
@@ -115,10 +135,45 @@ fn no_file_and_no_link_takes_more_than_its_share() {
         ("attributes", filled("<svg>", "<g a='' b='' c='' d=''/>", "</svg>", long)),
         ("rules", filled("<svg><style>", ".a{r:1}", "</style></svg>", long)),
         ("selectors", filled("<svg><style>", ".a,", "b{r:1}</style></svg>", long)),
+        ("selectors for all", filled("<svg><style>", "* *,", "b{r:1}</style><g><g/></g></svg>", long)),
+        (
+            "deep selectors",
+            filled("<svg><style>g g g g g g g g g g{r:1}</style>", "<g><g><g/></g></g>", "</svg>", 2_200_000),
+        ),
+        ("rules for all", rules_for_all()),
+        ("most elements", filled("<svg>", "<g/>", "</svg>", 1_590_000)),
+        ("most circles", filled("<svg>", "<circle r='1'/>", "</svg>", 5_990_000)),
+        ("most texts", filled("<svg>", "a<a/>", "</svg>", 990_000)),
+        ("most attributes", filled("<svg>", "<g a='' b='' c='' d=''/>", "</svg>", 9_590_000)),
+        ("path", filled("<svg><path d='M0 0", "h0l1 1c1 1 1 1 1 1z", "'/></svg>", long)),
+        ("dots", filled("<svg><path stroke='red' stroke-linecap='round' d='", "M1 1z", "'/></svg>", long)),
+        ("arcs", filled("<svg><path d='M0 0", "a9e9 9e9 0 1 1 1 1", "z'/></svg>", long)),
+        ("polygon", filled("<svg><polygon points='", "1,2 ", "'/></svg>", long)),
+        ("path shown again", shown_again()),
+        ("clip path", clipped("<clipPath id='c'><path d='M0 0", "c1 1 1 1 1 9", "z'/></clipPath>")),
+        ("clip paths", clipped("<clipPath id='c' clip-path='url(#c)'>", "<circle r='9'/>", "</clipPath>")),
+        (
+            "gradients",
+            filled("<svg>", "<linearGradient id='a' href='#a'/><circle fill='url(#a)' r='1'/>", "</svg>", long),
+        ),
+        (
+            "stops",
+            filled(
+                "<svg><circle fill='url(#a)' r='1'/><radialGradient id='a'>",
+                "<stop/>",
+                "</radialGradient></svg>",
+                2_500_000,
+            ),
+        ),
+        ("entities", filled("<!DOCTYPE svg [<!ENTITY a 'bbbbbbbbbbbbbbbbbbbbbbbbbbb'>]><svg>", "&a;", "</svg>", long)),
+        ("long entity", filled("<!DOCTYPE svg [<!ENTITY a '", "b", "'>]><svg>&a;&a;&a;</svg>", long)),
+        ("entity in entity", filled("<!DOCTYPE svg [<!ENTITY a 'b'><!ENTITY c '", "&a;", "'>]><svg>&c;</svg>", long)),
+        ("declarations", filled("<!DOCTYPE svg [", "<!ENTITY a 'b'>", "]><svg>&a;</svg>", long)),
         ("comments", filled("<svg><style>", "/**/", "</style></svg>", long)),
     ] {
+        let start = std::time::Instant::now();
         let used = peak(|| drop(open(&bytes, None, &ReadOptions::default())));
-        println!("{name:<16}{:>10} bytes{used:>12} of memory", bytes.len());
+        println!("{name:<18}{:>10} bytes{used:>12} of memory{:>8.2} s", bytes.len(), start.elapsed().as_secs_f64());
         assert!(used <= MOST, "{name}: {used} bytes of memory for {}", bytes.len());
     }
     // What claims to be large and is not.

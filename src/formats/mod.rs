@@ -5,7 +5,7 @@
 //! |---|---|
 //! | NumPy array ([`write_npy`]'s layout, N × 2 and more) | its first bytes |
 //! | PNG (dark or light blobs become points, see [`find_blobs`]) | its first bytes; natively only, a page decodes by itself |
-//! | SVG (circles and ellipses become points) | the first character is `<`, and there is an `<svg` |
+//! | SVG (circles, and what looks like marks, become points) | the first character is `<`, and there is an `<svg` |
 //! | project ([`Project`]) | JSON with a member `pointweave-project` |
 //! | GeoJSON points | JSON with a `type` that GeoJSON knows |
 //! | JSON ([`write_json`]'s layout, `[[x, y], …]`, `{"points": […]}`, records, sequences) | the first character is `{` or `[`, or the name ends in `.json` |
@@ -60,7 +60,6 @@ mod reference;
 #[cfg(not(target_arch = "wasm32"))]
 mod report;
 pub mod style;
-mod style_sheet;
 pub(crate) mod svg;
 mod svg_points;
 mod table;
@@ -194,7 +193,7 @@ pub enum FileFormat {
     Project,
     /// Points in space, taken as planar.
     GeoJson,
-    /// Circles of a drawing.
+    /// Marks of a drawing.
     Svg,
     /// A NumPy array.
     Npy,
