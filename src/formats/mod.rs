@@ -41,6 +41,7 @@ mod delimited;
 mod error;
 mod geojson;
 mod glyph;
+mod ground;
 mod guess;
 mod header;
 mod json;
@@ -60,6 +61,7 @@ mod project;
 mod reference;
 #[cfg(not(target_arch = "wasm32"))]
 mod report;
+mod spots;
 pub mod style;
 mod style_sheet;
 pub(crate) mod svg;

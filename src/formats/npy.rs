@@ -517,13 +517,20 @@ pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Reading, Forma
 }
 
 /// Writes a pattern as an array of doubles, one row a point: x, y, the class's number when there is more than one class,
-/// then the attributes. Two points of more than two values are the one array that is not read again as it was written:
-/// its rows are taken for x and y.
+/// then the attributes. Two points of more than two values have named fields: two rows would be taken for x and y.
 #[must_use]
 pub fn write_npy(pattern: &PointPattern) -> Vec<u8> {
     let classes = pattern.class_names().len() > 1;
     let columns = 2 + usize::from(classes) + pattern.attributes().len();
-    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {columns}), }}", pattern.len());
+    let mut header = if pattern.len() == 2 && columns > 2 {
+        let class = classes.then(|| "class".to_owned());
+        let attributes = (1..=pattern.attributes().len()).map(|number| format!("attribute-{number}"));
+        let names = ["x", "y"].map(str::to_owned).into_iter().chain(class).chain(attributes);
+        let fields: String = names.map(|name| format!("('{name}', '<f8'), ")).collect();
+        format!("{{'descr': [{}], 'fortran_order': False, 'shape': (2,), }}", fields.trim_end_matches(", "))
+    } else {
+        format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {columns}), }}", pattern.len())
+    };
     // The numbers begin at a multiple of 64 bytes; the header ends with a line feed.
     let start = MAGIC.len() + 4;
     while !(start + header.len() + 1).is_multiple_of(64) {
@@ -533,7 +540,7 @@ pub fn write_npy(pattern: &PointPattern) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(start + header.len() + 8 * columns * pattern.len());
     bytes.extend_from_slice(MAGIC);
     bytes.extend_from_slice(&[1, 0]);
-    // A few dozen bytes, far below u16::MAX.
+    // A few hundred bytes, far below u16::MAX.
     bytes.extend_from_slice(&(header.len() as u16).to_le_bytes());
     bytes.extend_from_slice(header.as_bytes());
     for (i, position) in pattern.positions().iter().enumerate() {

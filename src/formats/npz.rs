@@ -213,7 +213,9 @@ fn kind(entries: &[Entry<'_>]) -> &'static str {
 
 pub(super) fn read(bytes: &[u8], options: &ReadOptions) -> Result<Reading, FormatError> {
     let Some(entries) = Entry::list(bytes)? else {
-        return Err(FormatError::Kind { kind: "a ZIP archive that is damaged or incomplete" });
+        return Err(FormatError::Kind {
+            kind: "a ZIP archive or a spreadsheet that is damaged or incomplete (save the sheet as CSV)",
+        });
     };
     let (arrays, others): (Vec<Entry<'_>>, Vec<Entry<'_>>) =
         entries.into_iter().partition(|entry| entry.name.ends_with(".npy"));
