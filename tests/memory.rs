@@ -76,6 +76,29 @@ fn png(width: u32, height: u32) -> Vec<u8> {
     [b"\x89PNG\r\n\x1a\n", &chunk(b"IHDR", &header)[..], &chunk(b"IDAT", &data), &chunk(b"IEND", &[])].concat()
 }
 
+/// An archive of lists of 20 000 single bytes: more cells than any other array has.
+fn lists(count: usize) -> Vec<u8> {
+    let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (20000,), }";
+    let list =
+        [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &[200; 20_000]].concat();
+    let names: Vec<String> = (0..count)
+        .map(|i| ["x".to_owned(), "y".to_owned()].get(i).cloned().unwrap_or(format!("a{i}")) + ".npy")
+        .collect();
+    let files: Vec<(&str, &[u8])> = names.iter().map(|name| (name.as_str(), &list[..])).collect();
+    decoders::zip::zip(&files, decoders::zip::Packed::Deflated)
+}
+
+/// An archive of one array of zeros, whose directory says this of its size.
+fn bomb(length: usize, claimed: u32) -> Vec<u8> {
+    let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({}, 2), }}", length / 2);
+    let zeros = vec![0; length];
+    let array = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &zeros].concat();
+    let mut bytes = decoders::zip::zip(&[("points.npy", &array)], decoders::zip::Packed::Deflated);
+    let size = bytes.len() - 22 - "points.npy".len() - 46 + 24;
+    bytes[size..size + 4].copy_from_slice(&claimed.to_le_bytes());
+    bytes
+}
+
 #[test]
 fn no_file_and_no_link_takes_more_than_its_share() {
     let long = MAX_BYTES;
@@ -115,6 +138,11 @@ fn no_file_and_no_link_takes_more_than_its_share() {
         ("rules", filled("<svg><style>", ".a{r:1}", "</style></svg>", long)),
         ("selectors", filled("<svg><style>", ".a,", "b{r:1}</style></svg>", long)),
         ("comments", filled("<svg><style>", "/**/", "</style></svg>", long)),
+        ("npz lists", lists(64)),
+        ("npz entries", decoders::zip::zip(&vec![("a", &b""[..]); 9_000], decoders::zip::Packed::Stored)),
+        ("npz arrays", decoders::zip::zip(&vec![("a.npy", &b""[..]); 9_000], decoders::zip::Packed::Stored)),
+        ("npz many entries", decoders::zip::zip(&vec![("a.npy", &b""[..]); 60_000], decoders::zip::Packed::Stored)),
+        ("npz bomb", bomb(100_000_000, 19_999_999)),
     ] {
         let used = peak(|| drop(open(&bytes, None, &ReadOptions::default())));
         println!("{name:<16}{:>10} bytes{used:>12} of memory", bytes.len());
@@ -124,6 +152,10 @@ fn no_file_and_no_link_takes_more_than_its_share() {
     for (name, bytes) in [
         ("NumPy rows", npy("(18446744073709551615, 2)")),
         ("NumPy columns", npy("(1, 4611686018427387904)")),
+        ("NumPy turned", npy("(2, 4611686018427387904)")),
+        ("NumPy axes", npy(&format!("({})", "4294967295, ".repeat(700)))),
+        ("npz honest bomb", bomb(100_000_000, 100_000_087)),
+        ("npz lying bomb", bomb(100_000_000, 100)),
         ("PNG sides", png(u32::MAX >> 1, u32::MAX >> 1)),
         ("PNG width", png(u32::MAX >> 1, 1)),
     ] {

@@ -36,8 +36,8 @@ fn dirt(sorted: &[f64]) -> f64 {
 pub(super) fn smallest(blobs: &[Blob]) -> f64 {
     let areas = sorted(blobs.iter().map(|blob| blob.area));
     let limit = dirt(&areas);
-    let small = &areas[areas.partition_point(|&area| area < LEAST_AREA)..areas.partition_point(|&area| area < limit)];
     let specks = areas.partition_point(|&area| area < LEAST_AREA);
+    let small = &areas[specks..areas.partition_point(|&area| area < limit).max(specks)];
     let large = areas.len() - specks - small.len();
     // As many as a tenth of the large ones, and not so many specks beside them that they may be the largest of these.
     if are_alike(small) && 10 * small.len() >= large && specks <= small.len() {

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a fuzzer looks for panics")]
 
 #[path = "zip.rs"]
-mod zip;
+pub mod zip;
 
 use pointweave::PatternError;
 use pointweave::formats::link::{Link, LinkExemplar, Written, read_link, write_link};
@@ -114,7 +114,12 @@ pub fn pixels(bytes: &[u8]) {
     let [width, threshold, ink, min_area, max_area, pixels @ ..] = bytes else { return };
     let width = usize::from(*width).max(1);
     let height = pixels.len() / width;
-    let rgba: Vec<u8> = pixels[..width * height].iter().flat_map(|&gray| [gray, gray, gray, 255 - gray / 16]).collect();
+    // White or gray marks on transparent ground, or a picture that is nearly opaque.
+    let pixel = |gray: u8| match *ink {
+        192.. => [gray | 63, 255, 255, gray],
+        _ => [gray, gray, gray, 255 - gray / 16],
+    };
+    let rgba: Vec<u8> = pixels[..width * height].iter().flat_map(|&gray| pixel(gray)).collect();
     let options = BlobOptions {
         threshold: (threshold % 2 == 0).then_some(*threshold),
         ink: [Ink::Auto, Ink::Dark, Ink::Light][usize::from(ink % 3)],
