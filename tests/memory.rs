@@ -113,7 +113,7 @@ fn no_file_and_no_link_takes_more_than_its_share() {
             let cells: Vec<&str> = rows.split_inclusive(',').collect();
             cells.chunks(1000).take(19_000).map(|row| row.concat() + "\n").collect::<String>().into_bytes()
         }),
-        ("UTF-16", [b"\xff\xfe".to_vec(), filled("", "1\0,\0002\0\n\0", "", long - 2)].concat()),
+        ("UTF-16", [b"\xff\xfe".to_vec(), filled("", "1\0,\0\x32\0\n\0", "", long - 2)].concat()),
         ("Latin-1", [filled("x,y,class\n", "1,2,a\n", "", long - 8), b"1,2,\xe9".to_vec()].concat()),
         ("commented rows", filled("t,x,y\n", "#a,1,2\n", "", long)),
         ("blank rows", filled("", "\n", "", long)),

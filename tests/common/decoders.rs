@@ -91,7 +91,7 @@ fn archive(bytes: &[u8]) -> Vec<u8> {
         })
         .collect();
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, file)| (name.as_str(), *file)).collect();
-    zip::zip(&files, if bytes.len() % 4 == 0 { zip::Packed::Deflated } else { zip::Packed::Stored })
+    zip::zip(&files, if bytes.len().is_multiple_of(4) { zip::Packed::Deflated } else { zip::Packed::Stored })
 }
 
 fn split<'a>(mut bytes: &'a [u8], by: &[u8]) -> Vec<&'a [u8]> {
