@@ -619,8 +619,11 @@ fn numpy_arrays_of_every_kind() {
     assert_eq!(whole(">i2", &[255, 254, 0, 2, 0, 3, 0, 4]), [(-2.0, 2.0), (3.0, 4.0)]);
     assert_eq!(whole("<u4", &[0, 0, 0, 128, 2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0])[0], (2_147_483_648.0, 2.0));
     // The third column by the rule of text: whole numbers are classes, others an attribute.
-    let columns = opened(npy(1, &header("|u1", "False", "(2, 4)"), &[1, 2, 7, 9, 3, 5, 8, 6])).pattern;
-    assert_eq!((class_of(&columns), columns.attributes()[0].values.clone()), (vec!["7", "8"], vec![9.0, 6.0]));
+    let columns = opened(npy(1, &header("|u1", "False", "(3, 4)"), &[1, 2, 7, 9, 3, 5, 8, 6, 4, 4, 8, 5])).pattern;
+    assert_eq!(
+        (class_of(&columns), columns.attributes()[0].values.clone()),
+        (vec!["7", "8", "8"], vec![9.0, 6.0, 5.0])
+    );
 
     let words = |bytes: &[u8]| open(bytes, None, &ReadOptions::default()).unwrap_err().to_string();
     // Where: 10 bytes come before the header, 11 before the type within it.

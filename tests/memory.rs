@@ -96,6 +96,29 @@ fn png(width: u32, height: u32) -> Vec<u8> {
     [b"\x89PNG\r\n\x1a\n", &chunk(b"IHDR", &header)[..], &chunk(b"IDAT", &data), &chunk(b"IEND", &[])].concat()
 }
 
+/// An archive of lists of 20 000 single bytes: more cells than any other array has.
+fn lists(count: usize) -> Vec<u8> {
+    let header = "{'descr': '|u1', 'fortran_order': False, 'shape': (20000,), }";
+    let list =
+        [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &[200; 20_000]].concat();
+    let names: Vec<String> = (0..count)
+        .map(|i| ["x".to_owned(), "y".to_owned()].get(i).cloned().unwrap_or(format!("a{i}")) + ".npy")
+        .collect();
+    let files: Vec<(&str, &[u8])> = names.iter().map(|name| (name.as_str(), &list[..])).collect();
+    decoders::zip::zip(&files, decoders::zip::Packed::Deflated)
+}
+
+/// An archive of one array of zeros, whose directory says this of its size.
+fn bomb(length: usize, claimed: u32) -> Vec<u8> {
+    let header = format!("{{'descr': '|u1', 'fortran_order': False, 'shape': ({}, 2), }}", length / 2);
+    let zeros = vec![0; length];
+    let array = [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), &zeros].concat();
+    let mut bytes = decoders::zip::zip(&[("points.npy", &array)], decoders::zip::Packed::Deflated);
+    let size = bytes.len() - 22 - "points.npy".len() - 46 + 24;
+    bytes[size..size + 4].copy_from_slice(&claimed.to_le_bytes());
+    bytes
+}
+
 #[test]
 fn no_file_and_no_link_takes_more_than_its_share() {
     let long = MAX_BYTES;
@@ -110,7 +133,7 @@ fn no_file_and_no_link_takes_more_than_its_share() {
             let cells: Vec<&str> = rows.split_inclusive(',').collect();
             cells.chunks(1000).take(19_000).map(|row| row.concat() + "\n").collect::<String>().into_bytes()
         }),
-        ("UTF-16", [b"\xff\xfe".to_vec(), filled("", "1\0,\0002\0\n\0", "", long - 2)].concat()),
+        ("UTF-16", [b"\xff\xfe".to_vec(), filled("", "1\0,\0\x32\0\n\0", "", long - 2)].concat()),
         ("Latin-1", [filled("x,y,class\n", "1,2,a\n", "", long - 8), b"1,2,\xe9".to_vec()].concat()),
         ("commented rows", filled("t,x,y\n", "#a,1,2\n", "", long)),
         ("blank rows", filled("", "\n", "", long)),
@@ -170,6 +193,11 @@ fn no_file_and_no_link_takes_more_than_its_share() {
         ("entity in entity", filled("<!DOCTYPE svg [<!ENTITY a 'b'><!ENTITY c '", "&a;", "'>]><svg>&c;</svg>", long)),
         ("declarations", filled("<!DOCTYPE svg [", "<!ENTITY a 'b'>", "]><svg>&a;</svg>", long)),
         ("comments", filled("<svg><style>", "/**/", "</style></svg>", long)),
+        ("npz lists", lists(64)),
+        ("npz entries", decoders::zip::zip(&vec![("a", &b""[..]); 9_000], decoders::zip::Packed::Stored)),
+        ("npz arrays", decoders::zip::zip(&vec![("a.npy", &b""[..]); 9_000], decoders::zip::Packed::Stored)),
+        ("npz many entries", decoders::zip::zip(&vec![("a.npy", &b""[..]); 60_000], decoders::zip::Packed::Stored)),
+        ("npz bomb", bomb(100_000_000, 19_999_999)),
     ] {
         let start = std::time::Instant::now();
         let used = peak(|| drop(open(&bytes, None, &ReadOptions::default())));
@@ -180,6 +208,10 @@ fn no_file_and_no_link_takes_more_than_its_share() {
     for (name, bytes) in [
         ("NumPy rows", npy("(18446744073709551615, 2)")),
         ("NumPy columns", npy("(1, 4611686018427387904)")),
+        ("NumPy turned", npy("(2, 4611686018427387904)")),
+        ("NumPy axes", npy(&format!("({})", "4294967295, ".repeat(700)))),
+        ("npz honest bomb", bomb(100_000_000, 100_000_087)),
+        ("npz lying bomb", bomb(100_000_000, 100)),
         ("PNG sides", png(u32::MAX >> 1, u32::MAX >> 1)),
         ("PNG width", png(u32::MAX >> 1, 1)),
     ] {

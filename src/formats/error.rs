@@ -82,6 +82,12 @@ pub enum FormatError {
         /// Where, counted from 0.
         byte: usize,
     },
+    /// An archive of NumPy arrays that can't be read, or none of whose arrays is the one with the points.
+    #[error("the NumPy archive can't be used: {reason}")]
+    Archive {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// Bytes that are not UTF-8.
     #[error("line {line}, column {column}: byte {byte:#04x} is not UTF-8; save the file as UTF-8 text")]
     NotUtf8 {

@@ -3,7 +3,7 @@
 //! # What can be read
 //! | format | told by |
 //! |---|---|
-//! | NumPy array ([`write_npy`]'s layout, N × 2 and more) | its first bytes |
+//! | NumPy array ([`write_npy`]'s layout, N × 2 and more), or an archive of arrays | its first bytes |
 //! | PNG (dark or light blobs become points, see [`find_blobs`]) | its first bytes; natively only, a page decodes by itself |
 //! | SVG (circles, and what looks like marks, become points) | the first character is `<`, and there is an `<svg` |
 //! | project ([`Project`]) | JSON with a member `pointweave-project` |
@@ -42,12 +42,15 @@ mod delimited;
 mod error;
 mod geojson;
 mod glyph;
+mod ground;
 mod guess;
 mod header;
 mod json;
 pub mod link;
+mod literal;
 mod note;
 mod npy;
+mod npz;
 mod number;
 mod origin;
 mod outline;
@@ -59,6 +62,7 @@ mod project;
 mod reference;
 #[cfg(not(target_arch = "wasm32"))]
 mod report;
+mod spots;
 pub mod style;
 pub(crate) mod svg;
 mod svg_points;
@@ -195,7 +199,7 @@ pub enum FileFormat {
     GeoJson,
     /// Marks of a drawing.
     Svg,
-    /// A NumPy array.
+    /// A NumPy array, alone or in an archive.
     Npy,
     /// Blobs of a picture.
     Picture,
@@ -278,6 +282,9 @@ pub fn open(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
     if bytes.starts_with(npy::MAGIC) {
         return npy::read(bytes, options);
     }
+    if npz::is_zip(bytes) {
+        return npz::read(bytes, options);
+    }
     if let Some(kind) = picture_kind(bytes) {
         #[cfg(not(target_arch = "wasm32"))]
         if bytes.starts_with(png::MAGIC) {
@@ -349,10 +356,6 @@ fn picture_kind(bytes: &[u8]) -> Option<&'static str> {
 
 /// Names well-known files that are not patterns, instead of complaining about their first byte.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
-    let known: [(&[u8], &str); 3] = [
-        (b"%PDF", "a PDF document"),
-        (b"PK\x03\x04", "a ZIP archive or a spreadsheet (save the sheet as CSV)"),
-        (b"\x1f\x8b", "a gzip archive"),
-    ];
+    let known: [(&[u8], &str); 2] = [(b"%PDF", "a PDF document"), (b"\x1f\x8b", "a gzip archive")];
     known.iter().find(|(start, _)| bytes.starts_with(start)).map(|&(_, kind)| kind)
 }

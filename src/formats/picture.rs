@@ -2,12 +2,20 @@
 //!
 //! Pixels on one side of a threshold that touch, also at corners, are one blob; its centroid is a point, and the radius
 //! of a disk of the same area its attribute. y points down, as in the picture and on the page.
+//!
+//! What is not a point, and what a single threshold does not find (`spots.rs`): frames and axes are left out; small
+//! blobs stay when many are alike; fainter ones are looked for with a second threshold; where the light is uneven, pixels
+//! are compared with those around them (`ground.rs`); on transparent ground, marks are told by their opacity when
+//! their brightness does not tell them.
+
+use std::borrow::Cow;
 
 use glam::DVec2;
 
 use super::error::FormatError;
+use super::note::counted;
 use super::style::RADIUS_ATTRIBUTE;
-use super::{FileFormat, Note, ReadOptions, Reading};
+use super::{FileFormat, Note, ReadOptions, Reading, ground, spots};
 use crate::pattern::{Attribute, Boundary, Domain, MAX_POINTS, PointPattern};
 
 /// Most pixels of a picture: 4096².
@@ -20,6 +28,8 @@ pub struct Picture {
     height: usize,
     /// Brightness from 0 (black) to 255, row by row; what is transparent shows white.
     brightness: Vec<u8>,
+    /// From 0, where a pixel is opaque, to 255, where it is transparent; only where most are transparent.
+    transparency: Option<Vec<u8>>,
 }
 
 impl Picture {
@@ -37,10 +47,12 @@ impl Picture {
         if rgba.len() != 4 * count {
             return refuse(format!("{width} × {height} pixels do not take {} bytes", rgba.len()));
         }
+        let mut transparent = 0;
         let brightness = rgba
             .chunks_exact(4)
             .map(|pixel| {
                 let [red, green, blue, alpha] = [pixel[0], pixel[1], pixel[2], pixel[3]].map(u32::from);
+                transparent += usize::from(alpha < 128);
                 // ITU-R BT.601, in thousandths.
                 let luma = (299 * red + 587 * green + 114 * blue + 500) / 1000;
                 let shown = (luma * alpha + 255 * (255 - alpha) + 127) / 255;
@@ -48,7 +60,24 @@ impl Picture {
                 shown as u8
             })
             .collect();
-        Ok(Self { width, height, brightness })
+        let is_ground = 2 * transparent > count;
+        let transparency = is_ground.then(|| rgba.chunks_exact(4).map(|pixel| 255 - pixel[3]).collect());
+        Ok(Self { width, height, brightness, transparency })
+    }
+
+    /// The transparency, where it tells marks that the brightness does not: light ones on a ground that shows white.
+    fn marks(&self) -> Option<&[u8]> {
+        let transparency = self.transparency.as_deref()?;
+        let threshold = otsu(&histogram(&self.brightness));
+        let opaque = transparency.iter().filter(|&&value| value < 128).count();
+        let shown = self.brightness.iter().zip(transparency).filter(|&(&b, &t)| t < 128 && b <= threshold).count();
+        // Of marks that all show, only the soft edges are light.
+        if opaque == 0 || shown + opaque / 8 >= opaque {
+            return None;
+        }
+        // A light sheet with dark marks is opaque as a whole: then the brightness tells more.
+        let blobs = |values: &[u8], limit: u8| components(values, self.width, |value| value <= limit).len();
+        (blobs(transparency, 127) > blobs(&self.brightness, threshold)).then_some(transparency)
     }
 }
 
@@ -67,11 +96,13 @@ pub enum Ink {
 /// How points are looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BlobOptions {
-    /// Pixels up to this brightness are dark; Otsu's (1979) when `None`.
+    /// Pixels up to this brightness are dark; when `None`, Otsu's (1979), of the differences from what is around a pixel
+    /// where the light is uneven. Of marks on transparent ground it is the transparency.
     pub threshold: Option<u8>,
-    /// Which pixels are points.
+    /// Which pixels are points. On transparent ground, where marks are told by their opacity, dark means opaque.
     pub ink: Ink,
-    /// Smallest blob in pixels; when `None` those of a quarter of the median area or less are taken for dirt.
+    /// Smallest blob in pixels; when `None` those of a quarter of the median area or less are taken for dirt, unless many
+    /// are alike.
     pub min_area: Option<f64>,
     /// Largest blob in pixels; no limit when `None`.
     pub max_area: Option<f64>,
@@ -84,8 +115,49 @@ pub struct Blobs {
     pub reading: Reading,
     /// The threshold that was used.
     pub threshold: u8,
+    /// Whether it is one of differences: 128 is as bright as what is around a pixel.
+    pub is_local: bool,
     /// Which side of it was taken; never [`Ink::Auto`].
     pub ink: Ink,
+}
+
+/// Pixels on both sides of a threshold.
+pub(super) struct Split {
+    pub(super) threshold: u8,
+    pub(super) ink: Ink,
+    pub(super) blobs: Vec<Blob>,
+    /// How many values lie between the means of both sides, in standard deviations of the ground, which is at least 1.
+    pub(super) separation: f64,
+}
+
+impl Split {
+    pub(super) fn of(values: &[u8], width: usize, options: &BlobOptions) -> Self {
+        let histogram = histogram(values);
+        let threshold = options.threshold.unwrap_or_else(|| otsu(&histogram));
+        let dark: usize = histogram[..=usize::from(threshold)].iter().sum();
+        let ink = match options.ink {
+            Ink::Auto if 2 * dark <= values.len() => Ink::Dark,
+            Ink::Auto => Ink::Light,
+            chosen => chosen,
+        };
+        let mut split = Self { threshold, ink, blobs: Vec::new(), separation: 0.0 };
+        split.blobs = components(values, width, |value| split.is_ink(value));
+        let [low, high] = [moments(&histogram, 0..=threshold), moments(&histogram, threshold.saturating_add(1)..=255)];
+        let ground = if ink == Ink::Dark { high } else { low };
+        split.separation = (high.0 - low.0) / ground.1.max(1.0);
+        split
+    }
+
+    pub(super) fn is_ink(&self, value: u8) -> bool {
+        (value <= self.threshold) == (self.ink == Ink::Dark)
+    }
+
+    /// The blobs that are neither dirt nor beyond what was asked for.
+    fn kept(&self, options: &BlobOptions) -> impl Iterator<Item = &Blob> {
+        let smallest = options.min_area.unwrap_or_else(|| spots::smallest(&self.blobs));
+        let largest = options.max_area.unwrap_or(f64::INFINITY);
+        self.blobs.iter().filter(move |blob| blob.area >= smallest && blob.area <= largest)
+    }
 }
 
 /// Looks for the points of a picture.
@@ -93,35 +165,71 @@ pub struct Blobs {
 /// # Errors
 /// When there are none, or more than a pattern may hold.
 pub fn find_blobs(picture: &Picture, options: &BlobOptions, read: &ReadOptions) -> Result<Blobs, FormatError> {
-    let histogram = histogram(&picture.brightness);
-    let threshold = options.threshold.unwrap_or_else(|| otsu(&histogram));
-    let dark: usize = histogram[..=usize::from(threshold)].iter().sum();
-    let ink = match options.ink {
-        Ink::Auto if 2 * dark <= picture.brightness.len() => Ink::Dark,
-        Ink::Auto => Ink::Light,
-        chosen => chosen,
-    };
-    let blobs = components(picture, |brightness| (brightness <= threshold) == (ink == Ink::Dark));
-    let smallest = options.min_area.unwrap_or_else(|| dirt(&blobs));
-    let largest = options.max_area.unwrap_or(f64::INFINITY);
-    let wanted = |blob: &&Blob| blob.area >= smallest && blob.area <= largest;
-    let kept: Vec<&Blob> = blobs.iter().filter(wanted).collect();
+    let size = [picture.width, picture.height];
+    let mut notes = Vec::new();
+    let mut values = Cow::Borrowed(&picture.brightness[..]);
+    let marks = picture.marks();
+    let mut options = *options;
+    if let Some(marks) = marks {
+        values = Cow::Borrowed(marks);
+        if options.ink == Ink::Auto {
+            options.ink = Ink::Dark;
+        }
+        notes.push(Note::changed(
+            "The ground is transparent, and the marks on it hardly show on white: points are what is opaque. Put the marks \
+             on a ground of another colour if that was not meant.",
+        ));
+    }
+    let mut split = Split::of(&values, size[0], &options);
+    let mut is_local = false;
+    if options.threshold.is_none()
+        && marks.is_none()
+        && let Some((flat, local)) = ground::even(&values, size, &split, &options, |split| split.kept(&options).count())
+    {
+        (values, split, is_local) = (Cow::Owned(flat), local, true);
+        notes.push(Note::changed(
+            "The light is uneven: no threshold parts the points from the ground everywhere. Each pixel was compared with \
+             those around it instead. Set the threshold to use one for the whole picture.",
+        ));
+    }
+    let all = split.blobs.len();
+    let mut kept: Vec<Blob> = split.kept(&options).copied().collect();
+    let beyond = all - kept.len();
     if kept.is_empty() {
-        let side = if ink == Ink::Dark { "dark" } else { "light" };
-        let reason = match blobs.len() {
-            0 => format!("it has no {side} blobs at threshold {threshold}"),
+        let side = match split.ink {
+            _ if marks.is_some() => "opaque",
+            Ink::Dark => "dark",
+            _ => "light",
+        };
+        let smallest = options.min_area.unwrap_or_else(|| spots::smallest(&split.blobs));
+        let largest = options.max_area.unwrap_or(f64::INFINITY);
+        let reason = match all {
+            0 => format!("it has no {side} blobs at threshold {}", split.threshold),
             all => format!("none of its {all} {side} blobs has {smallest} to {largest} pixels"),
         };
         return Err(FormatError::Pixels { reason });
+    }
+    if options.min_area.is_none() {
+        notes.extend(spots::note_of_small(&kept, &split.blobs));
+    }
+    notes.extend(spots::take_frames(&mut kept, size));
+    if options.threshold.is_none() {
+        let (fainter, note) = spots::fainter(&values, size[0], &split, kept.len());
+        let [smallest, largest] = [options.min_area.unwrap_or(0.0), options.max_area.unwrap_or(f64::INFINITY)];
+        let before = kept.len();
+        let are_left_out = fainter.is_empty();
+        kept.extend(fainter.into_iter().filter(|blob| blob.area >= smallest && blob.area <= largest));
+        if are_left_out || kept.len() > before {
+            notes.extend(note);
+        }
     }
     if kept.len() > MAX_POINTS {
         let reason = format!("it has {} blobs; at most {MAX_POINTS} are allowed: ask for larger ones", kept.len());
         return Err(FormatError::Pixels { reason });
     }
-    let size = DVec2::new(picture.width as f64, picture.height as f64);
     let domain = match read.domain {
         Some(domain) => domain,
-        None => Domain::new(DVec2::ZERO, size)?,
+        None => Domain::new(DVec2::ZERO, DVec2::new(picture.width as f64, picture.height as f64))?,
     };
     let radius = kept.iter().map(|blob| (blob.area / std::f64::consts::PI).sqrt()).collect();
     let positions = kept.iter().map(|blob| blob.center).collect();
@@ -130,20 +238,35 @@ pub fn find_blobs(picture: &Picture, options: &BlobOptions, read: &ReadOptions) 
         .with_attribute(Attribute { name: RADIUS_ATTRIBUTE.to_owned(), values: radius })?;
     let mut reading = Reading::new(FileFormat::Picture, pattern);
     reading.is_domain_declared = true;
-    match blobs.len() - kept.len() {
-        0 => {}
-        1 => reading.notes.push(Note::left_out("One blob was too small or too large.")),
-        others => reading.notes.push(Note::left_out(format!("{others} blobs were too small or too large."))),
+    if beyond > 0 {
+        let were = counted(beyond, "One blob was", "blobs were");
+        notes.push(Note::left_out(format!(
+            "{were} too small or too large. Change the smallest or the largest blob to have them."
+        )));
     }
-    Ok(Blobs { reading, threshold, ink })
+    reading.notes = notes;
+    Ok(Blobs { reading, threshold: split.threshold, is_local, ink: split.ink })
 }
 
-fn histogram(brightness: &[u8]) -> [usize; 256] {
+/// How many pixels have each value.
+pub(super) fn histogram(values: &[u8]) -> [usize; 256] {
     let mut histogram = [0; 256];
-    for &value in brightness {
+    for &value in values {
         histogram[usize::from(value)] += 1;
     }
     histogram
+}
+
+/// Mean and standard deviation of the values in a range; 0 where there are none.
+pub(super) fn moments(histogram: &[usize; 256], range: std::ops::RangeInclusive<u8>) -> (f64, f64) {
+    let pairs = || range.clone().map(|value| (f64::from(value), histogram[usize::from(value)] as f64));
+    let count: f64 = pairs().map(|(_, count)| count).sum();
+    if count == 0.0 {
+        return (0.0, 0.0);
+    }
+    let mean = pairs().map(|(value, count)| value * count).sum::<f64>() / count;
+    let square = pairs().map(|(value, count)| (value - mean) * (value - mean) * count).sum::<f64>() / count;
+    (mean, square.sqrt())
 }
 
 /// The threshold that parts the pixels into the two most different groups (Otsu 1979). Between two groups with nothing
@@ -174,28 +297,38 @@ fn otsu(histogram: &[usize; 256]) -> u8 {
     first + (last - first) / 2
 }
 
-struct Blob {
-    center: DVec2,
-    area: f64,
+/// Pixels that touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blob {
+    pub(super) center: DVec2,
+    pub(super) area: f64,
+    /// The first column and row, and those behind the last.
+    pub(super) min: [usize; 2],
+    pub(super) max: [usize; 2],
+    /// The least and the greatest value.
+    pub(super) values: [u8; 2],
 }
 
-/// Blobs up to this area are dirt beside the others.
-fn dirt(blobs: &[Blob]) -> f64 {
-    let mut areas: Vec<f64> = blobs.iter().map(|blob| blob.area).collect();
-    let order = crate::sorting::order(areas.iter().copied());
-    areas = order.into_iter().map(|place| areas[place]).collect();
-    areas
-        .get(areas.len() / 2)
-        .map_or(0.0, |median| (median / 4.0).floor() + 1.0)
-        .min(areas.last().copied().unwrap_or(0.0))
+impl Blob {
+    /// Width and height of the rectangle around it.
+    pub(super) fn sides(&self) -> [f64; 2] {
+        [0, 1].map(|axis| (self.max[axis] - self.min[axis]) as f64)
+    }
+
+    /// How much of that rectangle it fills.
+    pub(super) fn fill(&self) -> f64 {
+        let [width, height] = self.sides();
+        self.area / (width * height)
+    }
 }
 
 /// Connected components by union of the runs of each row with those of the row above, in reading order.
-fn components(picture: &Picture, is_ink: impl Fn(u8) -> bool) -> Vec<Blob> {
+pub(super) fn components(values: &[u8], width: usize, is_ink: impl Fn(u8) -> bool) -> Vec<Blob> {
     struct Run {
         start: usize,
         end: usize,
         row: usize,
+        values: [u8; 2],
     }
     fn root(parents: &mut [usize], mut run: usize) -> usize {
         while parents[run] != run {
@@ -208,7 +341,7 @@ fn components(picture: &Picture, is_ink: impl Fn(u8) -> bool) -> Vec<Blob> {
     let mut runs: Vec<Run> = Vec::new();
     let mut parents: Vec<usize> = Vec::new();
     let mut above = 0..0;
-    for (row, pixels) in picture.brightness.chunks_exact(picture.width).enumerate() {
+    for (row, pixels) in values.chunks_exact(width.max(1)).enumerate() {
         let first = runs.len();
         let mut column = 0;
         while column < pixels.len() {
@@ -222,7 +355,9 @@ fn components(picture: &Picture, is_ink: impl Fn(u8) -> bool) -> Vec<Blob> {
             }
             let run = runs.len();
             parents.push(run);
-            runs.push(Run { start, end: column, row });
+            let extreme =
+                pixels[start..column].iter().fold([255, 0], |[low, high]: [u8; 2], &v| [low.min(v), high.max(v)]);
+            runs.push(Run { start, end: column, row, values: extreme });
             // Corners touch: one pixel more on either side. Runs above that end before this one never touch later ones.
             while above.start < above.end && runs[above.start].end < start {
                 above.start += 1;
@@ -243,11 +378,14 @@ fn components(picture: &Picture, is_ink: impl Fn(u8) -> bool) -> Vec<Blob> {
         let top = root(&mut parents, index);
         if places[top] == usize::MAX {
             places[top] = blobs.len();
-            blobs.push(Blob { center: DVec2::ZERO, area: 0.0 });
+            blobs.push(Blob { center: DVec2::ZERO, area: 0.0, min: [usize::MAX; 2], max: [0; 2], values: [255, 0] });
         }
         let blob = &mut blobs[places[top]];
         let length = (run.end - run.start) as f64;
         blob.area += length;
+        blob.min = [blob.min[0].min(run.start), blob.min[1].min(run.row)];
+        blob.max = [blob.max[0].max(run.end), blob.max[1].max(run.row + 1)];
+        blob.values = [blob.values[0].min(run.values[0]), blob.values[1].max(run.values[1])];
         // Of the pixels' middles.
         blob.center += length * DVec2::new((run.start + run.end) as f64 / 2.0, run.row as f64 + 0.5);
     }

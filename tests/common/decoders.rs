@@ -3,6 +3,9 @@
 #![allow(dead_code, unreachable_pub, reason = "each fuzzer includes this file and uses its own part")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a fuzzer looks for panics")]
 
+#[path = "zip.rs"]
+pub mod zip;
+
 use pointweave::PatternError;
 use pointweave::formats::link::{Link, LinkExemplar, Written, read_link, write_link};
 use pointweave::formats::{
@@ -65,14 +68,44 @@ pub fn svg(bytes: &[u8]) {
     }
 }
 
-/// NumPy arrays.
+/// NumPy arrays, and archives of them: as they are when they begin with `PK`, and made of arrays when with `Z`.
 pub fn npy(bytes: &[u8]) {
     // Most of what a fuzzer tries should get beyond the first bytes.
-    let bytes = if bytes.starts_with(b"\x93NUMPY") { bytes.to_vec() } else { [b"\x93NUMPY", bytes].concat() };
+    let bytes = match bytes {
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] | [b'P', b'K', ..] => bytes.to_vec(),
+        [b'Z', rest @ ..] => archive(rest),
+        _ => [b"\x93NUMPY", bytes].concat(),
+    };
     if let Some(reading) = look(&bytes, "a.npy") {
-        let again = open(&write_npy(&reading.pattern), None, &ReadOptions::default()).expect("our own array");
-        assert_eq!(again.pattern.positions(), reading.pattern.positions());
+        let pattern = reading.pattern;
+        let again = open(&write_npy(&pattern), None, &ReadOptions::default()).expect("our own array");
+        assert_eq!(again.pattern.positions(), pattern.positions());
     }
+}
+
+/// An archive whose sums are right: its entries end with a line of `--`, and begin with their names.
+fn archive(bytes: &[u8]) -> Vec<u8> {
+    let text: Vec<&[u8]> = split(bytes, b"\n--\n");
+    let files: Vec<(String, &[u8])> = text
+        .iter()
+        .map(|entry| {
+            let end = entry.iter().position(|&byte| byte == b'\n').unwrap_or(entry.len());
+            let name = String::from_utf8_lossy(&entry[..end.min(100)]).into_owned();
+            (name, entry.get(end + 1..).unwrap_or_default())
+        })
+        .collect();
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, file)| (name.as_str(), *file)).collect();
+    zip::zip(&files, if bytes.len().is_multiple_of(4) { zip::Packed::Deflated } else { zip::Packed::Stored })
+}
+
+fn split<'a>(mut bytes: &'a [u8], by: &[u8]) -> Vec<&'a [u8]> {
+    let mut parts = Vec::new();
+    while let Some(at) = bytes.windows(by.len()).position(|window| window == by) {
+        parts.push(&bytes[..at]);
+        bytes = &bytes[at + by.len()..];
+    }
+    parts.push(bytes);
+    parts
 }
 
 /// PNG and whatever else is told by its first bytes.
@@ -85,7 +118,12 @@ pub fn pixels(bytes: &[u8]) {
     let [width, threshold, ink, min_area, max_area, pixels @ ..] = bytes else { return };
     let width = usize::from(*width).max(1);
     let height = pixels.len() / width;
-    let rgba: Vec<u8> = pixels[..width * height].iter().flat_map(|&gray| [gray, gray, gray, 255 - gray / 16]).collect();
+    // White or gray marks on transparent ground, or a picture that is nearly opaque.
+    let pixel = |gray: u8| match *ink {
+        192.. => [gray | 63, 255, 255, gray],
+        _ => [gray, gray, gray, 255 - gray / 16],
+    };
+    let rgba: Vec<u8> = pixels[..width * height].iter().flat_map(|&gray| pixel(gray)).collect();
     let options = BlobOptions {
         threshold: (threshold % 2 == 0).then_some(*threshold),
         ink: [Ink::Auto, Ink::Dark, Ink::Light][usize::from(ink % 3)],
