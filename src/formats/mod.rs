@@ -26,8 +26,9 @@
 //! Decimal commas are understood where the comma does not separate columns. Thousands separators are not.
 //!
 //! # Domain
-//! [`ReadOptions`], then the file, then the unit square when all points lie in it, then the bounding box grown by
-//! half the mean distance between nearest neighbours. A text file declares its domain in a comment line:
+//! [`ReadOptions`], then the file, then the unit square when all points lie in it and fill it, then the bounding box grown
+//! by half the mean distance between nearest neighbours. Points fill the unit square unless they leave a strip along a side
+//! empty that is wider than every hole between them. A text file declares its domain in a comment line:
 //! ```text
 //! # domain 0 0 100 50 periodic        lower corner, upper corner, boundary (open when left out)
 //! # domain 0 0 size 100 50            lower corner, width and height
@@ -44,6 +45,7 @@ mod json;
 pub mod link;
 mod note;
 mod npy;
+mod oddities;
 mod origin;
 mod outline;
 mod picture;
@@ -68,6 +70,7 @@ pub use glyph::{Glyph, GlyphError, Polygon};
 pub use json::write_json;
 pub use note::{Note, NoteKind};
 pub use npy::write_npy;
+pub use oddities::oddities;
 pub use origin::{Origin, Projection};
 pub use outline::{MAX_PATH_LENGTH, MAX_PATH_SEGMENTS, Outline, OutlineError};
 pub use picture::{BlobOptions, Blobs, Ink, Picture, find_blobs};
