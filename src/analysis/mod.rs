@@ -453,10 +453,8 @@ impl Judge {
         let own = marks::Marked { cloud: &points, pattern, analysis: &output };
         Ok(Comparison {
             marks: marks::compare_marks(&marked, &own, &judge.scales, judge.seed)?,
-            filled: [&judge.cloud, &points].map(|cloud| {
-                let filled = cloud.clone().within_filled_part();
-                filled.region().map(|_| filled.area() / cloud.area())
-            }),
+            filled: [&judge.cloud, &points]
+                .map(|cloud| region::filled_part(cloud).map(|window| window.area() / cloud.area())),
             unit: judge.unit,
             scales: judge.scales,
             density_ratio: output.density / exemplar.density,

@@ -11,6 +11,8 @@ use crate::sampling::Rng;
 
 /// Pixels along the longer side of a region. A disk's set covariance is then right to a few thousandths.
 const SIDE: usize = 256;
+/// The covariance is known for every second pixel: between them it is as good as straight.
+const STRIDE: usize = 2;
 /// Pixels in a word of a row.
 const WORD: usize = 64;
 
@@ -25,7 +27,7 @@ pub(super) struct Region {
     /// Whether it is a guess from the points.
     found: bool,
     pixel: f64,
-    /// Offsets whose covariance is known: from −columns to columns, and from 0 to rows.
+    /// Distance of the offsets whose covariance is known: from −columns to columns of them, and from 0 to rows.
     columns: usize,
     rows: usize,
     /// Set covariance over the area, row by row: the share of the region that stays in it when it is moved.
@@ -58,7 +60,18 @@ impl Region {
             }
         }
         let covariance = covariance(&mask, columns, rows);
-        Self { window, index, low, high, area, found, pixel, columns, rows, covariance }
+        Self {
+            window,
+            index,
+            low,
+            high,
+            area,
+            found,
+            step: STRIDE as f64 * pixel,
+            columns: columns.div_ceil(STRIDE),
+            rows: rows.div_ceil(STRIDE),
+            covariance,
+        }
     }
 
     pub(super) fn area(&self) -> f64 {
@@ -83,11 +96,11 @@ impl Region {
         self.found
     }
 
-    /// The area in which a point can lie so that the one at this offset is in the region too, from four pixels around it.
+    /// The area in which a point can lie so that the one at this offset is in the region too, from the four known ones around it.
     pub(super) fn overlap(&self, offset: DVec2) -> f64 {
         // Moving by −offset leaves as much.
         let offset = if offset.y < 0.0 { -offset } else { offset };
-        let place = offset / self.pixel;
+        let place = offset / self.step;
         let (left, top) = (place.x.floor(), place.y.floor());
         let (along, down) = (place.x - left, place.y - top);
         let width = 2 * self.columns + 1;
@@ -116,25 +129,22 @@ impl Region {
 
     /// How far the outline is from a place: positive within, negative outside.
     pub(super) fn clearance(&self, place: DVec2) -> f64 {
-        let to_side = |(a, b): (DVec2, DVec2)| {
-            let (way, side) = (place - a, b - a);
-            let along = (way.dot(side) / side.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            (way - along * side).length_squared()
-        };
-        let distance = self.window.sides().map(to_side).fold(f64::INFINITY, f64::min).sqrt();
-        if self.index.contains(place) { distance } else { -distance }
+        self.window.clearance(&self.index, place)
     }
 }
 
-/// For every offset of whole pixels the pixels that stay within, over all: rows of words, so that 64 are counted at once.
+/// For every second offset of whole pixels, each way, the pixels that stay within, over all: rows of words, so that 64 are
+/// counted at once.
 fn covariance(mask: &[u64], columns: usize, rows: usize) -> Vec<f64> {
     let words = columns.div_ceil(WORD);
     let all = mask.iter().map(|word| word.count_ones()).sum::<u32>().max(1);
-    let width = 2 * columns + 1;
-    let mut shares = vec![0.0; width * (rows + 1)];
+    let (across, along) = (columns.div_ceil(STRIDE), rows.div_ceil(STRIDE));
+    let width = 2 * across + 1;
+    let mut shares = vec![0.0; width * (along + 1)];
     let mut moved = vec![0_u64; mask.len()];
-    for shift in 0..columns {
+    for right in 0..across {
         // The mask moved to the left: its pixel at x + shift comes to x.
+        let shift = right * STRIDE;
         let (whole, bits) = (shift / WORD, shift % WORD);
         for row in 0..rows {
             for word in 0..words {
@@ -145,12 +155,12 @@ fn covariance(mask: &[u64], columns: usize, rows: usize) -> Vec<f64> {
             }
         }
         let common = |a: &[u64], b: &[u64]| a.iter().zip(b).map(|(a, b)| (a & b).count_ones()).sum::<u32>();
-        for down in 0..rows {
-            let (above, below) = ((rows - down) * words, down * words);
+        for down in 0..along {
+            let (above, below) = ((rows - down * STRIDE) * words, down * STRIDE * words);
             let share = |count: u32| f64::from(count) / f64::from(all);
-            // With a pixel at x its partner is at x + shift, `down` rows below it or above it.
-            shares[down * width + columns + shift] = share(common(&mask[..above], &moved[below..]));
-            shares[down * width + columns - shift] = share(common(&mask[below..], &moved[..above]));
+            // With a pixel at x its partner is at x + shift, in a row below it or above it.
+            shares[down * width + across + right] = share(common(&mask[..above], &moved[below..]));
+            shares[down * width + across - right] = share(common(&mask[below..], &moved[..above]));
         }
     }
     shares

@@ -56,10 +56,10 @@ impl Facts<'_> {
         }
         let [exemplar, output] = self.filled.map(|share| share.map(percent));
         if let Some(share) = &exemplar {
-            let others = if output.is_some() { "So do the output's: t" } else { "T" };
             sentences.push(format!(
-                "The exemplar's points fill a round or otherwise convex part of their rectangle, {share} of it. {others}he \
-                 empty rest counts as part of the pattern."
+                "The exemplar's points fill a round or otherwise convex part of their rectangle, {share} of it{}. The \
+                 empty rest counts as part of the pattern.",
+                output.map_or_else(String::new, |share| format!(", the output's {share}"))
             ));
         }
         sentences.retain(|sentence| !sentence.is_empty());

@@ -62,6 +62,7 @@ pub(crate) mod svg;
 mod svg_points;
 mod table;
 mod whitespace;
+mod window;
 
 pub use delimited::{write_csv, write_csv_like, write_tsv};
 pub use error::{FormatError, Place};
@@ -81,6 +82,7 @@ pub use project::{Project, write_project};
 #[cfg(not(target_arch = "wasm32"))]
 pub use report::{ReportError, write_comparison_report, write_report};
 pub use svg::{SvgStyle, write_svg};
+pub use window::read_window;
 
 use serde::{Deserialize, Serialize};
 

@@ -105,6 +105,18 @@ impl Window {
         self.sides().filter(|&(a, b)| crosses(a, b, point.y) && crossing(a, b, point.y) < point.x).count() % 2 == 1
     }
 
+    /// How far the outline is from a place: positive within, negative outside.
+    pub(crate) fn clearance(&self, index: &WindowIndex, place: DVec2) -> f64 {
+        let to_side = |(a, b): (DVec2, DVec2)| {
+            let (way, side) = (place - a, b - a);
+            let length = side.length_squared();
+            let along = if length > 0.0 { (way.dot(side) / length).clamp(0.0, 1.0) } else { 0.0 };
+            (way - along * side).length_squared()
+        };
+        let distance = self.sides().map(to_side).fold(f64::INFINITY, f64::min).sqrt();
+        if index.contains(place) { distance } else { -distance }
+    }
+
     /// The same in other units: every corner goes through `place`, which must not turn areas into lines.
     ///
     /// # Errors
