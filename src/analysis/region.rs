@@ -26,8 +26,8 @@ pub(super) struct Region {
     area: f64,
     /// Whether it is a guess from the points.
     found: bool,
-    pixel: f64,
     /// Distance of the offsets whose covariance is known: from −columns to columns of them, and from 0 to rows.
+    step: f64,
     columns: usize,
     rows: usize,
     /// Set covariance over the area, row by row: the share of the region that stays in it when it is moved.
