@@ -78,5 +78,9 @@ fn box_of(positions: &[DVec2]) -> Result<Domain, FormatError> {
         let short = high.cmpgt(min + size);
         size += DVec2::select(short, digit, DVec2::ZERO);
     }
-    Domain::new(min, size).map_err(|error| FormatError::NoDomain { reason: error.to_string() })
+    Domain::new(min, size).map_err(|error| {
+        let thin = size.min_element() * Domain::MAX_ASPECT < size.max_element();
+        let cause = if thin { "they lie on a line, or nearly: " } else { "" };
+        FormatError::NoDomain { reason: format!("{cause}{error}") }
+    })
 }

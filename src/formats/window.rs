@@ -113,6 +113,7 @@ fn corners(text: &str) -> Result<Vec<Vec<DVec2>>, FormatError> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
 
