@@ -27,8 +27,9 @@
 //! Decimal commas are understood where the comma does not separate columns, and in quotes (`number.rs`).
 //!
 //! # Domain
-//! [`ReadOptions`], then the file, then the unit square when all points lie in it, then the bounding box grown by
-//! half the mean distance between nearest neighbours. A text file declares its domain in a comment line:
+//! [`ReadOptions`], then the file, then the unit square when all points lie in it and fill it, then the bounding box grown
+//! by half the mean distance between nearest neighbours. Points fill the unit square unless they leave a strip along a side
+//! empty that is wider than every hole between them. A text file declares its domain in a comment line:
 //! ```text
 //! # domain 0 0 100 50 periodic        lower corner, upper corner, boundary (open when left out)
 //! # domain 0 0 size 100 50            lower corner, width and height
@@ -52,6 +53,7 @@ mod note;
 mod npy;
 mod npz;
 mod number;
+mod oddities;
 mod origin;
 mod outline;
 mod picture;
@@ -69,6 +71,7 @@ mod svg_points;
 mod table;
 mod text;
 mod whitespace;
+mod window;
 
 pub use delimited::{write_csv, write_csv_like, write_tsv};
 pub use error::{FormatError, Place};
@@ -77,6 +80,7 @@ pub use glyph::{Glyph, GlyphError, Polygon};
 pub use json::write_json;
 pub use note::{Note, NoteKind};
 pub use npy::write_npy;
+pub use oddities::oddities;
 pub use origin::{Origin, Projection};
 pub use outline::{MAX_PATH_LENGTH, MAX_PATH_SEGMENTS, Outline, OutlineError};
 pub use picture::{BlobOptions, Blobs, Ink, Picture, find_blobs};
@@ -87,6 +91,7 @@ pub use project::{Project, write_project};
 #[cfg(not(target_arch = "wasm32"))]
 pub use report::{ReportError, write_comparison_report, write_report};
 pub use svg::{SvgStyle, write_svg};
+pub use window::read_window;
 
 use serde::{Deserialize, Serialize};
 
