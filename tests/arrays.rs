@@ -1,240 +1,292 @@
-//! NumPy's arrays and archives as programs write them.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+//! NumPy's arrays and archives as people have them, one test a kind.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-#[path = "common/decoders.rs"]
-mod decoders;
+#[path = "common/zip.rs"]
+mod zip;
 
-use decoders::zip;
-use pointweave::formats::{FileFormat, ReadOptions, Reading, open};
+use pointweave::formats::{FileFormat, NoteKind, ReadOptions, Reading, open, write_npy};
+use pointweave::pattern::PointPattern;
+use zip::{Packed, zip};
 
-/// Forty points in a jittered grid; every number is one of 16 bits.
-fn grid() -> Vec<[f64; 2]> {
-    (0..40)
-        .map(|i: i32| {
-            let jitter = |k: i32| f64::from((i * k) % 7 - 3) * 0.25;
-            [f64::from(i % 8) * 10.0 + jitter(3), f64::from(i / 8) * 10.0 + jitter(5)]
-        })
-        .collect()
+/// 40 points of a jittered grid, in eighths.
+fn points() -> Vec<[f64; 2]> {
+    let jitter = |i: usize| (i * 7 % 5) as f64 / 8.0;
+    (0..40).map(|i| [(i % 8) as f64 * 2.0 + jitter(i), (i / 8) as f64 * 2.0 + jitter(3 * i + 1)]).collect()
 }
 
-fn npy(descr: &str, order: &str, shape: &str, data: &[u8]) -> Vec<u8> {
-    let descr = if descr.starts_with('[') { descr.to_owned() } else { format!("'{descr}'") };
-    let header = format!("{{'descr': {descr}, 'fortran_order': {order}, 'shape': {shape}, }}\n");
-    [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), data].concat()
-}
-
-fn doubles(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
+fn bytes_of(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
     values.into_iter().flat_map(f64::to_le_bytes).collect()
 }
 
-fn all() -> Vec<f64> {
-    grid().concat()
+/// A file with this header.
+fn array(descr: &str, fortran: bool, shape: &str, data: &[u8]) -> Vec<u8> {
+    let fortran = if fortran { "True" } else { "False" };
+    let header = format!("{{'descr': {descr}, 'fortran_order': {fortran}, 'shape': {shape}, }}\n");
+    [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), data].concat()
 }
 
-fn axis(axis: usize) -> Vec<f64> {
-    grid().iter().map(|at| at[axis]).collect()
+fn doubles(shape: &str, values: impl IntoIterator<Item = f64>) -> Vec<u8> {
+    array("'<f8'", false, shape, &bytes_of(values))
 }
 
-#[track_caller]
+fn flat() -> Vec<f64> {
+    points().into_iter().flatten().collect()
+}
+
+fn column(axis: usize) -> Vec<f64> {
+    points().into_iter().map(|point| point[axis]).collect()
+}
+
 fn opened(bytes: &[u8]) -> Reading {
-    open(bytes, None, &ReadOptions::default())
-        .unwrap_or_else(|error| panic!("{}: {error}", String::from_utf8_lossy(bytes)))
+    open(bytes, None, &ReadOptions::default()).unwrap()
 }
 
-#[track_caller]
-fn is_the_grid(reading: &Reading) {
-    assert_eq!(reading.format, FileFormat::Npy);
-    let places: Vec<[f64; 2]> = reading.pattern.positions().iter().map(|point| point.to_array()).collect();
-    assert_eq!(places, grid());
+fn words(bytes: &[u8]) -> String {
+    open(bytes, None, &ReadOptions::default()).unwrap_err().to_string()
 }
 
-#[track_caller]
-fn refused(bytes: &[u8], parts: &[&str]) {
-    let error = open(bytes, None, &ReadOptions::default()).unwrap_err().to_string();
-    for part in parts {
-        assert!(error.contains(part), "{error:?} without {part:?}");
-    }
+fn places(pattern: &PointPattern) -> Vec<[f64; 2]> {
+    pattern.positions().iter().map(|point| [point.x, point.y]).collect()
 }
 
-#[track_caller]
-fn noted(reading: &Reading, part: &str) {
-    assert!(reading.notes.iter().any(|note| note.text.contains(part)), "{:?} without {part:?}", reading.notes);
-}
-
-/// A number of 16 bits, of those that are exactly one.
-fn half(value: f64) -> u16 {
-    if value == 0.0 {
-        return 0;
-    }
-    let exponent = value.abs().log2().floor() as i32;
-    let fraction = (value.abs() / 2_f64.powi(exponent) - 1.0) * 1024.0;
-    u16::from(value < 0.0) << 15 | ((exponent + 15) as u16) << 10 | fraction as u16
+fn has_note(reading: &Reading, kind: NoteKind, part: &str) {
+    let found = reading.notes.iter().any(|note| note.kind == kind && note.text.contains(part));
+    assert!(found, "{part:?} is not in {:?}", reading.notes);
 }
 
 #[test]
-fn shapes_and_types() {
-    let columns: Vec<f64> = axis(0).into_iter().chain(axis(1)).collect();
-    let big: Vec<u8> = columns.iter().flat_map(|value| value.to_be_bytes()).collect();
-    let halves: Vec<u8> = all().into_iter().flat_map(|value| half(value).to_le_bytes()).collect();
-    let big_halves: Vec<u8> = all().into_iter().flat_map(|value| half(value).to_be_bytes()).collect();
-    let singles: Vec<u8> = all().into_iter().flat_map(|value| (value as f32).to_le_bytes()).collect();
-    for bytes in [
-        npy("<f8", "False", "(40, 2)", &doubles(all())),
-        npy("<f8", "False", "(40L, 2L)", &doubles(all())),
-        npy("<f8", "True", "(40, 2)", &doubles(columns.clone())),
-        npy(">f8", "True", "(40, 2)", &big),
-        npy("<f2", "False", "(40, 2)", &halves),
-        npy(">f2", "False", "(40, 2)", &big_halves),
-        npy("<f8", "False", "(40, 1, 2)", &doubles(all())),
-        npy("<f8", "False", "(1, 40, 2)", &doubles(all())),
-        npy("<c16", "False", "(40,)", &doubles(all())),
-        npy("<c8", "False", "(40, 1)", &singles),
-        npy("[('x', '<f8'), ('y', '<f8')]", "False", "(40,)", &doubles(all())),
-        npy("[('xy', '<f4', (2,))]", "False", "(40, 1)", &singles),
-        npy("[('pos', '<f4', 2)]", "False", "(1, 40)", &singles),
-        npy("[('f0', '<f8'), ('f1', '<f8')]", "False", "(40,)", &doubles(all())),
-        npy("[('z', '<c16')]", "False", "(40,)", &doubles(all())),
-    ] {
-        let reading = opened(&bytes);
-        is_the_grid(&reading);
-        assert!(reading.notes.is_empty() && reading.pattern.attributes().is_empty(), "{:?}", reading.notes);
-    }
-    for bytes in [
-        npy("<f8", "False", "(2, 40)", &doubles(columns.clone())),
-        npy("<f8", "True", "(2, 40)", &doubles(all())),
-        npy(">f8", "False", "(2, 40)", &big),
-    ] {
-        let reading = opened(&bytes);
-        is_the_grid(&reading);
-        noted(&reading, "2 rows and 40 columns, so its rows were taken for x and y of 40 points");
-    }
-    let three: Vec<f64> = columns.into_iter().chain((0..40).map(|i| f64::from(i % 3))).collect();
-    let reading = opened(&npy("<f8", "False", "(3, 40)", &doubles(three)));
-    is_the_grid(&reading);
-    assert_eq!(reading.pattern.class_names().len(), 3);
-    noted(&reading, "3 rows and 40 columns");
+fn rows_and_columns_exchanged() {
+    let turned: Vec<f64> = column(0).into_iter().chain(column(1)).collect();
+    let read = opened(&doubles("(2, 40)", turned.clone()));
+    assert_eq!(places(&read.pattern), points());
+    has_note(&read, NoteKind::Changed, "2 rows of 40 numbers");
+    // array.T of 40 × 2 is the same bytes in Fortran's order.
+    let read = opened(&array("'<f8'", true, "(2, 40)", &bytes_of(flat())));
+    assert_eq!(places(&read.pattern), points());
+    let third = turned.into_iter().chain((0..40).map(|i| f64::from(i) / 8.0));
+    let read = opened(&doubles("(3, 40)", third));
+    assert_eq!((places(&read.pattern), read.pattern.attributes().len()), (points(), 1));
+    has_note(&read, NoteKind::Changed, "a third value");
+    // Three points with a value are three points.
+    assert_eq!(opened(&doubles("(3, 3)", (0..9).map(|i| f64::from(i) / 8.0))).pattern.len(), 3);
 }
 
 #[test]
-fn named_fields_are_columns() {
+fn shapes_of_other_programs() {
+    for shape in ["(40L, 2L)", "(40,2)", "[40, 2]", "(1, 40, 2)", "(40, 1, 2)", "(40, 2, 1)"] {
+        assert_eq!(places(&opened(&doubles(shape, flat())).pattern), points(), "{shape}");
+    }
+    has_note(&opened(&doubles("(40, 1, 2)", flat())), NoteKind::Changed, "(40, 1, 2) was read as 40 rows of 2");
+    for (shape, parts) in [
+        ("(80,)", ["shape is (80)", "array.reshape(-1, 2)"]),
+        ("(80L,)", ["shape is (80)", "array.reshape(2, -1).T"]),
+        ("(1, 80)", ["80 columns", "array.reshape(-1, 2)"]),
+        ("(80, 1)", ["1 columns", "array.reshape(-1, 2)"]),
+        ("(2, 20, 2)", ["shape is (2, 20, 2)", "array[0]"]),
+        ("()", ["shape is ()", "N rows of x, y"]),
+        ("(-40, 2)", ["shape is (-40, 2)", "no sizes"]),
+    ] {
+        let words = words(&doubles(shape, flat()));
+        assert!(parts.iter().all(|part| words.contains(part)), "{shape}: {words}");
+    }
+}
+
+#[test]
+fn half_precision() {
+    // Eighths below 16 have at most seven binary digits.
+    let half = |value: f64| {
+        let bits = (value as f32).to_bits();
+        if bits == 0 { 0 } else { ((bits >> 23) as u16 - 112) << 10 | (bits >> 13 & 1023) as u16 }
+    };
+    let little: Vec<u8> = flat().into_iter().flat_map(|value| half(value).to_le_bytes()).collect();
+    let big: Vec<u8> = flat().into_iter().flat_map(|value| half(value).to_be_bytes()).collect();
+    assert_eq!(places(&opened(&array("'<f2'", false, "(40, 2)", &little)).pattern), points());
+    assert_eq!(places(&opened(&array("'>f2'", false, "(40, 2)", &big)).pattern), points());
+    // The smallest, the largest below 1, −2, and what is no number.
+    let odd: Vec<u8> =
+        [0x0001_u16, 0x3bff, 0xc000, 0x8000, 0x7e00, 0x3c00].iter().flat_map(|bits| bits.to_le_bytes()).collect();
+    let read = opened(&array("'<f2'", false, "(3, 2)", &odd));
+    assert_eq!(places(&read.pattern), [[1.0 / 16_777_216.0, 2047.0 / 2048.0], [-2.0, 0.0]]);
+    has_note(&read, NoteKind::LeftOut, "without a place");
+}
+
+#[test]
+fn big_endian_in_fortran_order() {
+    let values = column(0).into_iter().chain(column(1));
+    let data: Vec<u8> = values.flat_map(f64::to_be_bytes).collect();
+    assert_eq!(places(&opened(&array("'>f8'", true, "(40, 2)", &data)).pattern), points());
+}
+
+#[test]
+fn named_fields() {
     let mut data = Vec::new();
-    for (i, [x, y]) in grid().into_iter().enumerate() {
+    for (i, [x, y]) in points().into_iter().enumerate() {
         data.extend((i as i32).to_le_bytes());
-        data.extend([0; 4]);
-        data.extend(doubles([y, x]));
-        data.extend(["ash\0\0", "birch"][i % 2].as_bytes());
-        data.extend(["é", "o"][i % 2].chars().chain(['\0', '\0']).take(2).flat_map(|c| u32::from(c).to_be_bytes()));
-        data.extend((i as f32 / 2.0).to_be_bytes());
-        data.push(u8::from(i % 4 == 0));
+        data.extend(y.to_be_bytes());
+        data.extend((x as f32).to_le_bytes());
+        data.extend(if i % 2 == 0 { *b"oak\0" } else { *b"fir\0" });
+        data.extend([0; 8]);
     }
-    let descr = "[('id', '<i4'), ('', '|V4'), ('y', '<f8'), (\"x\", '<f8'), ('species', 'S5'), ('letter', '>U2'), ('dbh', '>f4'), ('old', '|b1')]";
-    let reading = opened(&npy(descr, "False", "(40,)", &data));
-    is_the_grid(&reading);
-    assert_eq!(reading.pattern.class_names(), ["ash", "birch"]);
-    let dbh = reading.pattern.attributes().iter().find(|it| it.name == "dbh").unwrap();
-    assert_eq!(dbh.values[3], 1.5);
-    noted(&reading, "id");
-    noted(&reading, "letter");
+    let descr = "[('id', '<i4'), ('y', '>f8'), ('x', '<f4'), ('species', '|S4'), ('seen', '<M8[ns]')]";
+    let read = opened(&array(descr, false, "(40,)", &data));
+    assert_eq!(places(&read.pattern), points());
+    assert_eq!(read.pattern.class_names(), ["oak", "fir"]);
+    has_note(&read, NoteKind::LeftOut, "'seen'");
 
+    // A field that is the place.
+    let data: Vec<u8> = points().iter().flat_map(|[x, y]| [bytes_of([*x, *y]), vec![7, 0, 0, 0]].concat()).collect();
+    let read = opened(&array("[('pos', '<f8', (2,)), ('n', '<i4')]", false, "(40,)", &data));
+    assert_eq!((places(&read.pattern), read.pattern.attributes()[0].name.as_str()), (points(), "n"));
     for (descr, part) in [
-        ("[('p', [('x', '<f8'), ('y', '<f8')])]", "nested"),
-        ("[('x', '<f8'), ('y', '<f8'", "not understood"),
-        ("[('x', '<f8'), ('y', '|O')]", "Python's objects"),
-        ("[('x', '<f8'), ('y', '<f8', (99999999999999999999,))]", "not understood"),
-        ("[]", "no fields"),
-        ("[('a', '<f8'), ('b', '<f8')]", "a, b"),
+        ("[('x', '<f8'), ('y', '|O')]", "'y' is of a type that can't be read"),
+        ("[('x', '<f8'), ('y', '<f8', (99999999999, 99999999999))]", "too large"),
+        ("[('x', '<f8'), ('y', '<M8[s]')]", "less than two"),
+        ("[('x', '<f8'), 5]", "named fields can't be understood"),
+        ("[('x', '<f8'), ('y', '<f8')", "no list of 'descr'"),
     ] {
-        refused(&npy(descr, "False", "(40,)", &doubles(all())), &[part]);
+        let words = words(&array(descr, false, "(40,)", &bytes_of(flat())));
+        assert!(words.contains(part), "{descr}: {words}");
     }
 }
 
 #[test]
-fn what_is_no_array_of_places_is_named() {
-    for (bytes, parts) in [
-        (
-            npy("<f8", "False", "(80,)", &doubles(all())),
-            &["shape is (80), single numbers", "column_stack", "byte 60"][..],
-        ),
-        (npy("<f8", "False", "()", &doubles([1.0])), &["one number"]),
-        (npy("<f8", "False", "(80, 1)", &doubles(all())), &["1 columns"]),
-        (npy("<f8", "False", "(4, 2, 10)", &doubles(all())), &["shape is (4, 2, 10)"]),
-        (npy("<f8", "False", "(-40, 2)", &doubles(all())), &["which are no sizes"]),
-        (npy("<c16", "False", "(20, 2)", &doubles(all())), &["complex numbers must be in one row"]),
-        (npy("<U2", "False", "(40, 2)", &doubles(all())), &["words"]),
-        (npy("|O", "False", "(40, 2)", &doubles(all())), &["Python's objects"]),
-        (npy("<f8", "False", "(40, 3)", &doubles(all())), &["do not take 640 bytes"]),
-        (npy("<f8", "False", "(2, 30000)", &[]), &["at most 20000"]),
-    ] {
-        refused(&bytes, parts);
+fn complex_numbers() {
+    for shape in ["(40,)", "(40, 1)", "(1, 40)"] {
+        let read = opened(&array("'<c16'", false, shape, &bytes_of(flat())));
+        assert_eq!(places(&read.pattern), points(), "{shape}");
+        has_note(&read, NoteKind::Changed, "imaginary");
+    }
+    let data: Vec<u8> = flat().into_iter().flat_map(|value| (value as f32).to_be_bytes()).collect();
+    assert_eq!(places(&opened(&array("'>c8'", false, "(40,)", &data)).pattern), points());
+}
+
+#[test]
+fn rows_that_are_no_numbers() {
+    let mut values = flat();
+    values[6] = f64::NAN;
+    let read = opened(&doubles("(40, 2)", values));
+    assert_eq!(read.pattern.len(), 39);
+    has_note(&read, NoteKind::LeftOut, "One row without a place");
+}
+
+#[test]
+fn archives_of_one_array() {
+    let points_array = doubles("(40, 2)", flat());
+    for packed in [Packed::Stored, Packed::Deflated] {
+        let read = opened(&zip(&[("anything.npy", &points_array)], packed));
+        assert_eq!((read.format, places(&read.pattern)), (FileFormat::Npy, points()));
+        assert!(read.notes.is_empty(), "{:?}", read.notes);
     }
 }
 
 #[test]
-fn archives_hold_places_and_what_belongs_to_them() {
-    let places = npy("<f8", "False", "(40, 2)", &doubles(all()));
-    let x = npy("<f8", "False", "(40,)", &doubles(axis(0)));
-    let y = npy("<f8", "False", "(40,)", &doubles(axis(1)));
-    let classes = npy(
-        "<U3",
-        "False",
-        "(40,)",
-        &(0..40)
-            .flat_map(|i| ["ash", "elm"][i % 2].chars())
-            .flat_map(|c| u32::from(c).to_le_bytes())
-            .collect::<Vec<u8>>(),
-    );
-    let dbh =
-        npy("<f4", "False", "(40, 1)", &(0..40).flat_map(|i| (i as f32 + 0.5).to_le_bytes()).collect::<Vec<u8>>());
-    let matrix = npy("<f8", "False", "(3, 3)", &doubles([0.0; 9]));
-    for is_deflated in [false, true] {
-        for entries in [
-            vec![("arr_0.npy", &places[..])],
-            vec![("anything.npy", &places[..])],
-            vec![("x.npy", &x[..]), ("y.npy", &y[..])],
-            vec![("lying.npy", &places[..]), ("readme.txt", b"hello")],
-        ] {
-            is_the_grid(&opened(&zip(&entries, is_deflated)));
-        }
-        for entries in [
-            vec![
-                ("species.npy", &classes[..]),
-                ("x.npy", &x[..]),
-                ("y.npy", &y[..]),
-                ("dbh.npy", &dbh[..]),
-                ("camera.npy", &matrix[..]),
-            ],
-            vec![
-                ("Points.npy", &places[..]),
-                ("species.npy", &classes[..]),
-                ("dbh.npy", &dbh[..]),
-                ("camera.npy", &matrix[..]),
-            ],
-        ] {
-            let reading = opened(&zip(&entries, is_deflated));
-            is_the_grid(&reading);
-            assert_eq!(reading.pattern.class_names(), ["ash", "elm"]);
-            assert_eq!(reading.pattern.attributes()[0].name, "dbh");
-            noted(&reading, "camera");
-        }
-    }
-    refused(&zip(&[("a.npy", &places), ("b.npy", &places)], true), &["2 arrays", "a, b", "points"]);
-    refused(&zip(&[("x.npy", &x), ("y.npy", &places)], true), &["'x' and 'y'"]);
-    refused(&zip(&[("pts.npy", &x), ("w.npy", &x)], true), &["'pts' has no x and y"]);
-    refused(&zip(&[("pts.npy", b"hello")], true), &["pts"]);
-    let good = zip(&[("arr_0.npy", &places)], false);
-    let mut damaged = good.clone();
-    let at = good.windows(3).position(|window| window == b"}\n\0").map_or(200, |at| at + 40);
-    damaged[at] ^= 1;
-    refused(&damaged, &["checksum"]);
-    refused(&good[..300], &["ZIP archive", "cut short"]);
+fn archives_of_columns() {
+    let list = |values: &[f64]| doubles(&format!("({},)", values.len()), values.iter().copied());
+    let (x, y) = (list(&column(0)), list(&column(1)));
+    let names: Vec<u8> = (0..40)
+        .flat_map(|i| if i < 20 { ['o', 'a', 'k'] } else { ['f', 'i', 'r'] })
+        .flat_map(|letter| u32::from(letter).to_le_bytes())
+        .collect();
+    let class = array("'<U3'", false, "(40,)", &names);
+    let radius = list(&[0.25; 40]);
+    let other = list(&[1.0; 7]);
+    let files: [(&str, &[u8]); 5] =
+        [("class.npy", &class), ("y.npy", &y), ("x.npy", &x), ("radius.npy", &radius), ("edges.npy", &other)];
+    let read = opened(&zip(&files, Packed::Deflated));
+    assert_eq!(places(&read.pattern), points());
+    assert_eq!(read.pattern.class_names(), ["oak", "fir"]);
+    assert_eq!(read.pattern.attributes()[0].name, "radius");
+    has_note(&read, NoteKind::LeftOut, "One array of the archive was left out: 'edges'");
 
-    for (name, kind) in [
-        ("xl/workbook.xml", "an Excel workbook (save the sheet as CSV)"),
-        ("content.xml", "an OpenDocument file"),
-        ("doc.kml", "a KMZ file (save it as GeoJSON)"),
-        ("trees/trees.shp", "a zipped shapefile"),
-        ("photo.jpg", "a ZIP archive (take the files out first)"),
-    ] {
-        refused(&zip(&[("[Content_Types].xml", b"<x/>"), (name, b"<x/>")], true), &[kind]);
+    let read = opened(&zip(&[("arr_0.npy", &x), ("arr_1.npy", &y)], Packed::Stored));
+    assert_eq!(places(&read.pattern), points());
+    has_note(&read, NoteKind::Changed, "the second as y");
+}
+
+#[test]
+fn archives_of_points_among_others() {
+    let (cells, image) = (doubles("(40, 2)", flat()), doubles("(3, 3)", [0.0; 9]));
+    for name in ["points", "pts", "XY", "coords", "coordinates", "positions", "arr_0", "data"] {
+        let file = format!("{name}.npy");
+        let read = opened(&zip(&[("image.npy", &image), (&file, &cells), ("readme.txt", b"hello")], Packed::Stored));
+        assert_eq!(places(&read.pattern), points(), "{name}");
+        has_note(&read, NoteKind::LeftOut, "'image'");
+        has_note(&read, NoteKind::LeftOut, "no array");
     }
+    let labels = array("'<i8'", false, "(40,)", &(0..40_i64).flat_map(|i| (i % 2).to_le_bytes()).collect::<Vec<_>>());
+    let read = opened(&zip(&[("points.npy", &cells), ("label.npy", &labels)], Packed::Stored));
+    assert_eq!((places(&read.pattern), read.pattern.class_names().len()), (points(), 2));
+    let words = words(&zip(&[("image.npy", &image), ("mask.npy", &cells)], Packed::Stored));
+    assert!(words.contains("'image' (3, 3), 'mask' (40, 2)"), "{words}");
+}
+
+#[test]
+fn archives_that_are_something_else() {
+    for (names, part) in [
+        (&["[Content_Types].xml", "xl/workbook.xml"][..], "an Excel workbook (save the sheet as CSV)"),
+        (&["word/document.xml"], "word processor"),
+        (&["doc.kml"], "a KMZ archive"),
+        (&["a/b.shp", "a/b.dbf"], "a shapefile"),
+        (&["archive/data.pkl"], "PyTorch"),
+        (&["points.csv"], "unpack it"),
+        (&[], "an empty ZIP archive"),
+    ] {
+        let files: Vec<(&str, &[u8])> = names.iter().map(|name| (*name, &b"x"[..])).collect();
+        let words = words(&zip(&files, Packed::Deflated));
+        assert!(words.contains(part), "{names:?}: {words}");
+    }
+    let sheet = zip(&[("mimetype", b"application/vnd.oasis.opendocument.spreadsheet")], Packed::Stored);
+    assert!(words(&sheet).contains("save the sheet as CSV"));
+}
+
+/// Offsets and sizes that lie, of every record.
+#[test]
+fn archives_that_lie() {
+    let good = zip(&[("points.npy", &doubles("(40, 2)", flat()))], Packed::Stored);
+    let directory = good.len() - 22 - 46 - "points.npy".len();
+    let with = |at: usize, bytes: &[u8]| {
+        let mut bad = good.clone();
+        bad[at..at + bytes.len()].copy_from_slice(bytes);
+        words(&bad)
+    };
+    let end = good.len() - 22;
+    for (at, bytes, part) in [
+        (end + 10, &[0xff, 0xff][..], "ZIP64"),
+        (end + 16, &[0xff; 4], "ZIP64"),
+        (end + 16, &[0xff, 0xff, 0xff, 0x7f], "damaged"),
+        (end + 12, &[0xff, 0xff, 0xff, 0x7f], "damaged"),
+        (end + 10, &[2, 0], "damaged"),
+        (end, b"QK", "damaged"),
+        (directory, b"QK", "damaged"),
+        (directory + 8, &[1], "password"),
+        (directory + 10, &[12], "method 12"),
+        (directory + 16, &[1], "'points' is damaged"),
+        (directory + 20, &[0xff, 0xff, 0xff, 0x7f], "damaged"),
+        (directory + 24, &[0xff, 0xff, 0xff, 0x7f], "at most 20000000"),
+        (directory + 24, &[0xff; 4], "ZIP64"),
+        (directory + 42, &[9], "damaged"),
+        (directory + 42, &[0xff, 0xff, 0xff, 0x7f], "damaged"),
+        (0, b"PK\x03\x04\xff", ""),
+        (26, &[0xff, 0xff], "damaged"),
+    ] {
+        if part.is_empty() {
+            let mut same = good.clone();
+            same[at..at + bytes.len()].copy_from_slice(bytes);
+            assert_eq!(places(&opened(&same).pattern), points(), "the entry's own head does not count");
+            continue;
+        }
+        let words = with(at, bytes);
+        assert!(words.contains(part), "{at} {bytes:?}: {words}");
+    }
+    for length in 4..good.len() {
+        assert!(open(&good[..length], None, &ReadOptions::default()).is_err(), "{length} bytes");
+    }
+}
+
+#[test]
+fn what_is_written_is_read() {
+    let pattern = opened(&doubles("(40, 2)", flat())).pattern;
+    let bytes = write_npy(&pattern);
+    assert_eq!(opened(&bytes).pattern, pattern);
+    assert_eq!(opened(&zip(&[("arr_0.npy", &bytes)], Packed::Deflated)).pattern, pattern);
 }

@@ -1,11 +1,14 @@
 //! Points as the statistics see them: a rectangle at the origin, one unit, class indices.
 
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use super::error::AnalysisError;
 use super::neighbours::Neighbours;
-use crate::pattern::{Boundary, PointPattern, mean_nearest_distance};
-use crate::sampling::wrap;
+use super::region::{Region, filled_part};
+use crate::pattern::{Boundary, PointPattern, Window, mean_nearest_distance};
+use crate::sampling::{Rng, white_noise, wrap};
 
 /// A pair whose overlap is less than this share of the window tells nothing: its weight would be all noise.
 const LEAST_OVERLAP: f64 = 0.05;
@@ -22,6 +25,8 @@ pub struct Cloud {
     class_count: usize,
     size: DVec2,
     boundary: Boundary,
+    /// The part of the rectangle that points are looked for in; none is all of it.
+    region: Option<Arc<Region>>,
 }
 
 impl Cloud {
@@ -44,7 +49,7 @@ impl Cloud {
             }
         }
         let points: Vec<_> = points.into_iter().map(|point| settle(point, size, boundary)).collect();
-        Ok(Self { classes: vec![0; points.len()], class_count: 1, points, size, boundary })
+        Ok(Self { classes: vec![0; points.len()], class_count: 1, points, size, boundary, region: None })
     }
 
     /// The same points with classes 0, 1, …; a class may be empty.
@@ -71,7 +76,71 @@ impl Cloud {
             class_count: pattern.class_names().len(),
             size,
             boundary,
+            region: None,
         }
+    }
+
+    /// A pattern in its own exemplar units, within a window in the pattern's unit; without one, within the part of the
+    /// rectangle that the points fill, where the rest is emptier than chance leaves it. A tile has no window.
+    ///
+    /// # Errors
+    /// As [`Self::within`], or when the boundary is periodic and there is a window.
+    pub fn of_part(pattern: &PointPattern, window: Option<&Window>) -> Result<Self, AnalysisError> {
+        let cloud = Self::of(pattern);
+        let Some(window) = window else { return Ok(cloud.within_filled_part()) };
+        let refuse = |error: crate::PatternError| match error {
+            crate::PatternError::Window { reason } => AnalysisError::Window { reason },
+            other => AnalysisError::Window { reason: other.to_string() },
+        };
+        let window = window.clipped(pattern.domain()).map_err(refuse)?;
+        cloud.within(window.in_exemplar_units(pattern.domain()).map_err(refuse)?)
+    }
+
+    /// The same points within a window in this cloud's unit: areas, what pairs count for, holes and simulated points are
+    /// those of the window.
+    ///
+    /// # Errors
+    /// When the cloud is a tile, the window fills less than a five-hundredth of the rectangle around it, or a point lies
+    /// outside of it by more than a millionth of that rectangle's longer side.
+    pub fn within(mut self, window: Window) -> Result<Self, AnalysisError> {
+        let refuse = |reason: String| Err(AnalysisError::Window { reason });
+        if self.boundary == Boundary::Periodic {
+            return refuse("a tile has no border, so it is not seen through a window".to_owned());
+        }
+        let (low, high) = window.bounds();
+        if window.area() * 500.0 < (high - low).x * (high - low).y {
+            return refuse("it fills less than a five-hundredth of the rectangle around it".to_owned());
+        }
+        let region = Region::new(window, false);
+        let outside = self.points.iter().filter(|&&point| region.excludes(point)).count();
+        if outside > 0 {
+            return refuse(format!("{outside} of {} points lie outside of it", self.len()));
+        }
+        self.region = Some(Arc::new(region));
+        Ok(self)
+    }
+
+    /// The same points within the convex part of the rectangle that they fill, where the rest is emptier than chance
+    /// leaves it; else unchanged.
+    #[must_use]
+    pub fn within_filled_part(mut self) -> Self {
+        self.region = filled_part(&self).map(|window| Arc::new(Region::new(window, true)));
+        self
+    }
+
+    /// The window, prepared.
+    pub(super) fn region(&self) -> Option<&Region> {
+        self.region.as_deref()
+    }
+
+    /// As many independent points in the same rectangle or window, of one class.
+    pub(super) fn independent(&self, rng: &mut Rng) -> Self {
+        let points = match &self.region {
+            Some(region) => region.white_noise(rng, self.len()),
+            None => white_noise(rng, self.size, self.len()),
+        };
+        let points = points.into_iter().map(|point| settle(point, self.size, self.boundary)).collect();
+        Self { points, classes: vec![0; self.len()], class_count: 1, region: self.region.clone(), ..*self }
     }
 
     /// A pattern in another unit of length, given in the pattern's own: an output in the exemplar units of its
@@ -138,10 +207,15 @@ impl Cloud {
         self.boundary
     }
 
-    /// Width times height.
+    /// Width times height, or the area of the window.
     #[must_use]
     pub fn area(&self) -> f64 {
-        self.size.x * self.size.y
+        self.region.as_ref().map_or(self.size.x * self.size.y, |region| region.area())
+    }
+
+    /// The shorter side of the rectangle, or of the one around the window.
+    pub(super) fn shorter_side(&self) -> f64 {
+        self.region.as_ref().map_or(self.size, |region| region.size()).min_element()
     }
 
     /// Points per unit of area.
@@ -196,7 +270,7 @@ impl Cloud {
     /// into the window. A tile goes on for ever.
     pub(super) fn longest_reach(&self) -> f64 {
         match self.boundary {
-            Boundary::Open => 0.75 * self.size.min_element(),
+            Boundary::Open => 0.75 * self.shorter_side(),
             Boundary::Periodic => f64::INFINITY,
         }
     }
@@ -207,8 +281,14 @@ impl Cloud {
         match self.boundary {
             Boundary::Periodic => 1.0 / self.area(),
             Boundary::Open => {
-                let overlap = (self.size - offset.abs()).max(DVec2::ZERO);
-                1.0 / (overlap.x * overlap.y).max(LEAST_OVERLAP * self.area())
+                let overlap = match &self.region {
+                    Some(region) => region.overlap(offset),
+                    None => {
+                        let sides = (self.size - offset.abs()).max(DVec2::ZERO);
+                        sides.x * sides.y
+                    }
+                };
+                1.0 / overlap.max(LEAST_OVERLAP * self.area())
             }
         }
     }

@@ -48,6 +48,12 @@ pub enum AnalysisError {
         /// Width and height.
         size: [f64; 2],
     },
+    /// A window that statistics can't be taken in.
+    #[error("the window can't be used: {reason}")]
+    Window {
+        /// What is wrong with it.
+        reason: String,
+    },
     /// One class index a point is needed.
     #[error("there are {count} class indices for {points} points; one a point is needed")]
     Classes {

@@ -82,6 +82,8 @@ impl Live {
             exemplar_points: exemplar.1.points,
             nearest: [exemplar.1.nearest.as_ref(), curves.nearest.as_ref()],
             border_excess: border.map(|border| border.excess),
+            // A word on the exemplar's shape belongs to the whole comparison.
+            filled: [None; 2],
         }
         .verdict();
         Ok(Self { scales: *scales, exemplar: exemplar.1.clone(), output: curves, quality, defects, verdict })

@@ -12,6 +12,7 @@
 //! | `marks` | whether classes and attributes go with places: mark correlation, and the same at random | Stoyan & Stoyan 1994 |
 //! | `spectrum` | periodogram, radial mean | Bartlett 1964, Ulichney 1988 |
 //! | `ripley` | K, L, envelopes of chance | Ripley 1976, Besag 1977 |
+//! | `region` | the same in windows of any outline; the part of a rectangle that points fill | Ohser & Stoyan 1981, Ripley & Rasson 1977 |
 //! | `spacing` | ρ, stacked points, clumps, holes, crowded borders | Lagae & Dutré 2008 |
 //! | `overlap` | areas that disks share, relative penetration | our own |
 //! | `transport` | Chamfer, Wasserstein, the paper's patches | Huang et al. 2022 |
@@ -33,6 +34,7 @@ mod overlap;
 mod pair_correlation;
 mod pair_density;
 mod quality;
+mod region;
 mod ripley;
 #[cfg(not(target_arch = "wasm32"))]
 mod scores;
@@ -73,7 +75,10 @@ pub use verdict::{describe, verdict};
 
 use serde::{Deserialize, Serialize};
 
-use crate::pattern::{Boundary, Domain, PointPattern};
+use glam::DVec2;
+
+use crate::pattern::{Boundary, Domain, PointPattern, Window};
+use crate::sampling::{Purpose, Rng};
 
 /// Simulated patterns of an envelope: with 99 the chance that one point of a curve leaves it is 2 %.
 pub const SIMULATIONS: usize = 99;
@@ -130,13 +135,17 @@ pub struct Analysis {
     pub class_sizes: Vec<usize>,
     /// Width and height of the rectangle.
     pub size: [f64; 2],
+    /// The part of the rectangle that areas, pairs, holes and chance are those of; none is all of it.
+    #[serde(default)]
+    pub part: Option<Part>,
     /// Window or tile.
     pub boundary: Boundary,
     /// Points per unit of area.
     pub density: f64,
     /// Mean distance to the nearest neighbour; none when all points lie in one place.
     pub spacing: Option<f64>,
-    /// Clark & Evans's (1954) index: the mean spacing over that of independent points. Below 1 points cluster.
+    /// Clark & Evans's (1954) index: the mean spacing over that of independent points. Below 1 points cluster. Of a part
+    /// that is not the whole rectangle, with its envelope: over the mean of the simulated patterns, borders included.
     pub aggregation_index: Option<f64>,
     /// ρ, see [`relative_radius`].
     pub relative_radius: f64,
@@ -158,7 +167,7 @@ pub struct Analysis {
     pub envelope: Option<Envelope>,
     /// The largest hole.
     pub largest_empty_circle: EmptyCircle,
-    /// Points within 0.05 d of the border of a window.
+    /// Points within 0.05 d of the border of a window that is a rectangle.
     pub border: Option<BorderCrowd>,
 }
 
@@ -181,6 +190,7 @@ impl Analysis {
             points: cloud.len(),
             class_sizes,
             size: cloud.size().into(),
+            part: cloud.region().map(|region| Part::of(region, cloud)),
             boundary: cloud.boundary(),
             density,
             spacing,
@@ -199,12 +209,25 @@ impl Analysis {
         })
     }
 
-    /// Analyses a pattern on its own, in its exemplar units, with the envelope of [`SIMULATIONS`] simulations.
+    /// Analyses a pattern on its own, in its exemplar units, with the envelope of [`SIMULATIONS`] simulations. Where the
+    /// points fill only a convex part of their rectangle, it is that part's, see [`Cloud::of_part`].
     ///
     /// # Errors
     /// With a single point, or all points in one place.
     pub fn of_pattern(pattern: &PointPattern, seed: u64) -> Result<Self, AnalysisError> {
-        let cloud = Cloud::of(pattern);
+        Self::of_pattern_within(pattern, None, seed)
+    }
+
+    /// [`Self::of_pattern`] within a window in the pattern's unit; without one, the same.
+    ///
+    /// # Errors
+    /// Those of [`Self::of_pattern`] and [`Cloud::of_part`].
+    pub fn of_pattern_within(
+        pattern: &PointPattern,
+        window: Option<&Window>,
+        seed: u64,
+    ) -> Result<Self, AnalysisError> {
+        let cloud = Cloud::of_part(pattern, window)?;
         let scales = Scales::of(&cloud)?;
         Self::of(&cloud, &scales)?.with_marks(&cloud, pattern, &scales).with_envelope(&cloud, &scales, seed)
     }
@@ -222,7 +245,50 @@ impl Analysis {
     /// As [`envelope`].
     pub fn with_envelope(mut self, cloud: &Cloud, scales: &Scales, seed: u64) -> Result<Self, AnalysisError> {
         self.envelope = Some(envelope(cloud, &self.ripley, &scales.ripley, SIMULATIONS, seed)?);
+        if self.part.is_some() {
+            self.aggregation_index = self.spacing.map(|spacing| spacing / independent_spacing(cloud, seed));
+        }
         Ok(self)
+    }
+}
+
+/// Mean spacing of as many independent points in the same window: that of the simulations of an envelope.
+fn independent_spacing(cloud: &Cloud, seed: u64) -> f64 {
+    let spacing = |simulation| {
+        let mut rng = Rng::new(seed, Purpose::Analysis(simulation as u32));
+        cloud.independent(&mut rng).mean_spacing().unwrap_or(0.0)
+    };
+    (0..SIMULATIONS).map(spacing).sum::<f64>() / SIMULATIONS as f64
+}
+
+/// The part of a rectangle that statistics are taken in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// Its share of the rectangle.
+    pub share: f64,
+    /// Whether it is a guess from the points: their convex hull, a little larger.
+    pub found: bool,
+    /// Its closed lines, in exemplar units from the rectangle's lower corner.
+    pub outline: Vec<Vec<[f64; 2]>>,
+}
+
+impl Part {
+    fn of(region: &region::Region, cloud: &Cloud) -> Self {
+        let corners = |ring: &Vec<DVec2>| ring.iter().copied().map(Into::into).collect();
+        Self {
+            share: region.area() / (cloud.size().x * cloud.size().y),
+            found: region.found(),
+            outline: region.window().rings().iter().map(corners).collect(),
+        }
+    }
+
+    /// It as a window in exemplar units.
+    ///
+    /// # Errors
+    /// When the outline is none.
+    pub fn window(&self) -> Result<Window, AnalysisError> {
+        let rings = self.outline.iter().map(|ring| ring.iter().copied().map(DVec2::from).collect());
+        Window::new(rings.collect()).map_err(|error| AnalysisError::Window { reason: error.to_string() })
     }
 }
 
@@ -295,6 +361,10 @@ pub struct Comparison {
     pub patches: Option<PatchComparison>,
     /// Classes and attributes, where there are any.
     pub marks: Option<MarkComparison>,
+    /// Share of their rectangle that the points of the exemplar and of the output fill, where the rest is emptier than
+    /// chance leaves it. All statistics here are those of the whole rectangles.
+    #[serde(default)]
+    pub filled: [Option<f64>; 2],
 }
 
 impl Comparison {
@@ -383,6 +453,8 @@ impl Judge {
         let own = marks::Marked { cloud: &points, pattern, analysis: &output };
         Ok(Comparison {
             marks: marks::compare_marks(&marked, &own, &judge.scales, judge.seed)?,
+            filled: [&judge.cloud, &points]
+                .map(|cloud| region::filled_part(cloud).map(|window| window.area() / cloud.area())),
             unit: judge.unit,
             scales: judge.scales,
             density_ratio: output.density / exemplar.density,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cloud::{Cloud, check_positive};
 use super::error::{AnalysisError, check};
-use crate::sampling::{Purpose, Rng, white_noise};
+use crate::sampling::{Purpose, Rng};
 
 /// At which distances K is estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ impl RipleySettings {
     /// short-range structure look like chance.
     #[must_use]
     pub fn suited_to(cloud: &Cloud) -> Self {
-        let range = (0.25 * cloud.size().min_element()).min(6.0 / cloud.density().sqrt());
+        let range = (0.25 * cloud.shorter_side()).min(6.0 / cloud.density().sqrt());
         Self { range, samples: 64 }
     }
 }
@@ -36,7 +36,7 @@ pub struct Ripley {
     pub l_minus_r: Vec<f64>,
 }
 
-/// What independent points do in the same rectangle.
+/// What independent points do in the same rectangle or window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Envelope {
     /// How many patterns were simulated.
@@ -103,8 +103,7 @@ pub fn envelope(
     let mut as_far = 1;
     for simulation in 0..simulations {
         let mut rng = Rng::new(seed, Purpose::Analysis(simulation as u32));
-        let points = white_noise(&mut rng, cloud.size(), cloud.len());
-        let chance = ripley(&Cloud::new(points, cloud.size(), cloud.boundary())?, settings)?;
+        let chance = ripley(&cloud.independent(&mut rng), settings)?;
         for (i, &value) in chance.l_minus_r.iter().enumerate() {
             low[i] = low[i].min(value);
             high[i] = high[i].max(value);

@@ -105,7 +105,10 @@ pub fn largest_empty_circle(cloud: &Cloud) -> EmptyCircle {
         let nearest = found.first().map_or(f64::INFINITY, |point| point.distance_squared.sqrt());
         match cloud.boundary() {
             Boundary::Periodic => nearest,
-            Boundary::Open => nearest.min(place.min(size - place).min_element()),
+            Boundary::Open => {
+                let to_border = place.min(size - place).min_element();
+                nearest.min(cloud.region().map_or(to_border, |region| to_border.min(region.clearance(place))))
+            }
         }
     };
     let spacing = 1.0 / cloud.density().sqrt();
@@ -185,13 +188,14 @@ pub struct BorderCrowd {
     pub excess: f64,
 }
 
-/// Counts the points within `width` of the border of a window. `None` on a torus, which has no border.
+/// Counts the points within `width` of the border of a rectangle. `None` on a torus, which has no border, and in a window
+/// of another shape.
 ///
 /// # Errors
 /// When the width is not positive.
 pub fn border_crowd(cloud: &Cloud, width: f64) -> Result<Option<BorderCrowd>, AnalysisError> {
     check_positive("width", width)?;
-    if cloud.boundary() == Boundary::Periodic {
+    if cloud.boundary() == Boundary::Periodic || cloud.region().is_some() {
         return Ok(None);
     }
     let size = cloud.size();

@@ -122,7 +122,8 @@ impl Periodogram {
         for ([x, y], power) in self.iter() {
             let frequency = x.hypot(y);
             if frequency <= highest * (1.0 + 1e-9) {
-                let ring = ((frequency / width) as usize).min(rings - 1);
+                // A frequency on the limit of two rings, as whole cycles are, shall not fall to either side by a rounding.
+                let ring = ((frequency / width + 1e-9) as usize).min(rings - 1);
                 let (frequencies, powers, count) = &mut sums[ring];
                 *frequencies += frequency;
                 *powers += power;

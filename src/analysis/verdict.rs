@@ -24,6 +24,7 @@ pub fn verdict(comparison: &Comparison) -> String {
         exemplar_points: comparison.exemplar.points,
         nearest: [comparison.exemplar.nearest.first(), comparison.output.nearest.first()],
         border_excess: comparison.output.border.map(|border| border.excess),
+        filled: comparison.filled,
     }
     .verdict()
 }
@@ -39,6 +40,8 @@ pub(super) struct Facts<'a> {
     pub(super) nearest: [Option<&'a Summary>; 2],
     /// Of the output, when it is a window; see [`BorderCrowd::excess`](super::BorderCrowd::excess).
     pub(super) border_excess: Option<f64>,
+    /// Share of their rectangle that the exemplar's and the output's points fill, where that is only a part.
+    pub(super) filled: [Option<f64>; 2],
 }
 
 impl Facts<'_> {
@@ -49,6 +52,14 @@ impl Facts<'_> {
             sentences.push(format!(
                 "It is {} times as dense as the exemplar, so compare with care: are both in the same unit of length?",
                 short(ratio)
+            ));
+        }
+        let [exemplar, output] = self.filled.map(|share| share.map(percent));
+        if let Some(share) = &exemplar {
+            sentences.push(format!(
+                "The exemplar's points fill a round or otherwise convex part of their rectangle, {share} of it{}. The \
+                 empty rest counts as part of the pattern.",
+                output.map_or_else(String::new, |share| format!(", the output's {share}"))
             ));
         }
         sentences.retain(|sentence| !sentence.is_empty());
@@ -162,6 +173,17 @@ fn defects(facts: &Facts<'_>) -> String {
 #[must_use]
 pub fn describe(analysis: &Analysis) -> String {
     let mut sentences = Vec::new();
+    if let Some(part) = &analysis.part {
+        let share = percent(part.share);
+        sentences.push(if part.found {
+            format!(
+                "The points fill a round or otherwise convex part of their rectangle, {share} of it: the statistics are \
+                 those of that part."
+            )
+        } else {
+            format!("The statistics are those of the window, {share} of the rectangle.")
+        });
+    }
     let index = analysis.aggregation_index.unwrap_or(0.0);
     let manner = match index {
         index if index >= 1.95 => "stand like a lattice",

@@ -82,7 +82,7 @@ pub enum FormatError {
         /// Where, counted from 0.
         byte: usize,
     },
-    /// A NumPy archive of other arrays, or a damaged one.
+    /// An archive of NumPy arrays that can't be read, or none of whose arrays is the one with the points.
     #[error("the NumPy archive can't be used: {reason}")]
     Archive {
         /// What is wrong with it.

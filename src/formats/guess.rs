@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use super::Note;
 use super::error::FormatError;
+use super::oddities::{about, empty_band};
 use crate::pattern::{Domain, mean_nearest_distance};
 
 /// A domain that was found from points.
@@ -16,18 +17,42 @@ pub(super) struct Guess {
     pub(super) notes: Vec<Note>,
 }
 
+/// What the choices are called.
+const UNIT_SQUARE: &str = "unit square";
+const BOX: &str = "the points' box";
+
 impl Guess {
+    /// The unit square when all points lie in it and fill it; else the points' box, see [`box_of`]. They fill it when no
+    /// strip along a side is empty that is wider than every hole between the points; see [`empty_band`].
     pub(super) fn of(positions: &[DVec2]) -> Result<Self, FormatError> {
-        Ok(Self { domain: guess_domain(positions)?, choices: Vec::new(), notes: Vec::new() })
+        if !positions.iter().all(|&point| Domain::UNIT.contains(point)) {
+            return Ok(Self { domain: box_of(positions)?, choices: Vec::new(), notes: Vec::new() });
+        }
+        let unit = Self { domain: Domain::UNIT, choices: Vec::new(), notes: Vec::new() };
+        // Points on a line or in one place have no box, but may lie in the unit square.
+        let Ok(domain) = box_of(positions) else { return Ok(unit) };
+        let Some(band) = empty_band(positions, Domain::UNIT) else {
+            let (low, high) = (domain.min(), domain.max());
+            // Where only the border differs there is nothing to choose.
+            let differs = low.max_element().max((1.0 - high).max_element()) > 0.1;
+            return Ok(Self { choices: if differs { vec![(BOX, domain)] } else { Vec::new() }, ..unit });
+        };
+        let note = format!(
+            "The domain is the points' box, {} × {}: all points lie in the unit square, but leave a strip of {} along its \
+             {} side empty, wider than any hole between them. If the unit square was meant, choose it (as --domain \
+             0,0,1,1, or in a line '# domain 0 0 1 1').",
+            about(domain.size().x),
+            about(domain.size().y),
+            about(band.width),
+            band.side
+        );
+        Ok(Self { domain, choices: vec![(UNIT_SQUARE, Domain::UNIT)], notes: vec![Note::changed(note)] })
     }
 }
 
-/// The unit square when all points lie in it, else the bounding box grown on every side by half the mean distance
-/// between nearest neighbours: that much room the points at the border share with neighbours that were cut off.
-pub(super) fn guess_domain(positions: &[DVec2]) -> Result<Domain, FormatError> {
-    if positions.iter().all(|&point| Domain::UNIT.contains(point)) {
-        return Ok(Domain::UNIT);
-    }
+/// The bounding box grown on every side by half the mean distance between nearest neighbours: that much room the points at
+/// the border share with neighbours that were cut off.
+fn box_of(positions: &[DVec2]) -> Result<Domain, FormatError> {
     let low = positions.iter().copied().fold(DVec2::INFINITY, DVec2::min);
     let high = positions.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
     let extent = high - low;
@@ -53,5 +78,9 @@ pub(super) fn guess_domain(positions: &[DVec2]) -> Result<Domain, FormatError> {
         let short = high.cmpgt(min + size);
         size += DVec2::select(short, digit, DVec2::ZERO);
     }
-    Domain::new(min, size).map_err(|error| FormatError::NoDomain { reason: error.to_string() })
+    Domain::new(min, size).map_err(|error| {
+        let thin = size.min_element() * Domain::MAX_ASPECT < size.max_element();
+        let cause = if thin { "they lie on a line, or nearly: " } else { "" };
+        FormatError::NoDomain { reason: format!("{cause}{error}") }
+    })
 }

@@ -3,9 +3,9 @@
 //! # What can be read
 //! | format | told by |
 //! |---|---|
-//! | NumPy array ([`write_npy`]'s layout, N × 2 and more), or an archive of arrays (`.npz`) | its first bytes |
+//! | NumPy array ([`write_npy`]'s layout, N × 2 and more), or an archive of arrays | its first bytes |
 //! | PNG (dark or light blobs become points, see [`find_blobs`]) | its first bytes; natively only, a page decodes by itself |
-//! | SVG (circles and ellipses become points) | the first character is `<`, and there is an `<svg` |
+//! | SVG (circles, and what looks like marks, become points) | the first character is `<`, and there is an `<svg` |
 //! | project ([`Project`]) | JSON with a member `pointweave-project` |
 //! | GeoJSON points | JSON with a `type` that GeoJSON knows |
 //! | JSON ([`write_json`]'s layout, `[[x, y], …]`, `{"points": […]}`, records, sequences) | the first character is `{` or `[`, or the name ends in `.json` |
@@ -27,15 +27,15 @@
 //! Decimal commas are understood where the comma does not separate columns, and in quotes (`number.rs`).
 //!
 //! # Domain
-//! [`ReadOptions`], then the file, then the unit square when all points lie in it, then the bounding box grown by
-//! half the mean distance between nearest neighbours. A text file declares its domain in a comment line:
+//! [`ReadOptions`], then the file, then the unit square when all points lie in it and fill it, then the bounding box grown
+//! by half the mean distance between nearest neighbours. Points fill the unit square unless they leave a strip along a side
+//! empty that is wider than every hole between them. A text file declares its domain in a comment line:
 //! ```text
 //! # domain 0 0 100 50 periodic        lower corner, upper corner, boundary (open when left out)
 //! # domain 0 0 size 100 50            lower corner, width and height
 //! # classes: oak,"silver birch"       the order of the classes, quoted as in CSV
 //! ```
 
-mod blobs;
 mod column_names;
 mod columns;
 mod declaration;
@@ -43,16 +43,17 @@ mod delimited;
 mod error;
 mod geojson;
 mod glyph;
+mod ground;
 mod guess;
 mod header;
 mod json;
-mod light;
 pub mod link;
+mod literal;
 mod note;
 mod npy;
-mod npy_header;
 mod npz;
 mod number;
+mod oddities;
 mod origin;
 mod outline;
 mod picture;
@@ -63,13 +64,14 @@ mod project;
 mod reference;
 #[cfg(not(target_arch = "wasm32"))]
 mod report;
+mod spots;
 pub mod style;
-mod style_sheet;
 pub(crate) mod svg;
 mod svg_points;
 mod table;
 mod text;
 mod whitespace;
+mod window;
 
 pub use delimited::{write_csv, write_csv_like, write_tsv};
 pub use error::{FormatError, Place};
@@ -78,6 +80,7 @@ pub use glyph::{Glyph, GlyphError, Polygon};
 pub use json::write_json;
 pub use note::{Note, NoteKind};
 pub use npy::write_npy;
+pub use oddities::oddities;
 pub use origin::{Origin, Projection};
 pub use outline::{MAX_PATH_LENGTH, MAX_PATH_SEGMENTS, Outline, OutlineError};
 pub use picture::{BlobOptions, Blobs, Ink, Picture, find_blobs};
@@ -88,6 +91,7 @@ pub use project::{Project, write_project};
 #[cfg(not(target_arch = "wasm32"))]
 pub use report::{ReportError, write_comparison_report, write_report};
 pub use svg::{SvgStyle, write_svg};
+pub use window::read_window;
 
 use serde::{Deserialize, Serialize};
 
@@ -198,9 +202,9 @@ pub enum FileFormat {
     Project,
     /// Points in space, taken as planar.
     GeoJson,
-    /// Circles of a drawing.
+    /// Marks of a drawing.
     Svg,
-    /// A NumPy array.
+    /// A NumPy array, alone or in an archive.
     Npy,
     /// Blobs of a picture.
     Picture,
@@ -283,7 +287,7 @@ pub fn open(bytes: &[u8], file_name: Option<&str>, options: &ReadOptions) -> Res
     if bytes.starts_with(npy::MAGIC) {
         return npy::read(bytes, options);
     }
-    if bytes.starts_with(b"PK\x03\x04") {
+    if npz::is_zip(bytes) {
         return npz::read(bytes, options);
     }
     if let Some(kind) = picture_kind(bytes) {
@@ -357,7 +361,6 @@ fn picture_kind(bytes: &[u8]) -> Option<&'static str> {
 
 /// Names well-known files that are not patterns, instead of complaining about their first byte.
 fn foreign(bytes: &[u8]) -> Option<&'static str> {
-    let known: [(&[u8], &str); 2] =
-        [(b"%PDF", "a PDF document"), (b"\x1f\x8b", "a gzip archive (take the file out first)")];
+    let known: [(&[u8], &str); 2] = [(b"%PDF", "a PDF document"), (b"\x1f\x8b", "a gzip archive")];
     known.iter().find(|(start, _)| bytes.starts_with(start)).map(|&(_, kind)| kind)
 }

@@ -14,6 +14,8 @@ pub const MAX_PATH_LENGTH: usize = 4000;
 pub const MAX_PATH_SEGMENTS: usize = 500;
 /// Largest coordinate.
 const MAX_COORDINATE: f64 = 1e6;
+/// The same of a drawing.
+const MAX_DRAWING_COORDINATE: f64 = 1e12;
 /// Points of a curve looked at for its extent.
 const SAMPLES: u32 = 16;
 
@@ -75,7 +77,7 @@ impl Outline {
         if length > MAX_PATH_LENGTH {
             return Err(OutlineError::TooLong { length });
         }
-        let mut reader = Reader { text: text.as_bytes(), at: 0, segments: Vec::new() };
+        let mut reader = Reader::new(text, MAX_PATH_SEGMENTS, MAX_COORDINATE);
         reader.path()?;
         fitted(reader.segments)
     }
@@ -100,6 +102,31 @@ impl Outline {
         }
         data
     }
+}
+
+/// The lines and curves of the path of a drawing, as far as they can be read: browsers draw them up to the first error too.
+/// There are at most `max_segments`.
+pub(super) fn read_segments(text: &str, max_segments: usize) -> Vec<Segment> {
+    let mut reader = Reader::new(text, max_segments, MAX_DRAWING_COORDINATE);
+    // What was read before an error stays.
+    let _ = reader.path();
+    reader.segments
+}
+
+/// An ellipse, from its rightmost point, as four curves; each is off by at most 0.03 % of the radius.
+pub(super) fn ellipse_segments(center: DVec2, radii: DVec2) -> Vec<Segment> {
+    // Where the curve's middle lies on the circle.
+    const HANDLE: f64 = 0.552_284_749_830_793_4;
+    let place = |p: DVec2| center + p * radii;
+    let mut segments = vec![Segment::Move(place(DVec2::X))];
+    let mut from = DVec2::X;
+    for _ in 0..4 {
+        let to = from.perp();
+        segments.push(Segment::Curve(place(from + HANDLE * to), place(to + HANDLE * from), place(to)));
+        from = to;
+    }
+    segments.push(Segment::Close);
+    segments
 }
 
 /// `x y`.
@@ -151,9 +178,15 @@ struct Reader<'a> {
     text: &'a [u8],
     at: usize,
     segments: Vec<Segment>,
+    max_segments: usize,
+    max_coordinate: f64,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
+    fn new(text: &'a str, max_segments: usize, max_coordinate: f64) -> Self {
+        Self { text: text.as_bytes(), at: 0, segments: Vec::new(), max_segments, max_coordinate }
+    }
+
     fn unexpected(&self, wanted: &'static str) -> OutlineError {
         // What is before was read, hence ASCII: bytes are characters up to here.
         let rest = std::str::from_utf8(&self.text[self.at..]).unwrap_or_default();
@@ -215,7 +248,7 @@ impl Reader<'_> {
             }
         }
         let value: f64 = std::str::from_utf8(&self.text[from..self.at]).unwrap_or_default().parse().unwrap_or(f64::NAN);
-        if value.is_nan() || value.abs() > MAX_COORDINATE {
+        if value.is_nan() || value.abs() > self.max_coordinate {
             return Err(self.excess(from, "a number beyond a million"));
         }
         Ok(value)
@@ -242,7 +275,7 @@ impl Reader<'_> {
     }
 
     fn push(&mut self, segment: Segment) -> Result<(), OutlineError> {
-        if self.segments.len() == MAX_PATH_SEGMENTS {
+        if self.segments.len() >= self.max_segments {
             return Err(self.excess(self.at - 1, "more than 500 lines and curves"));
         }
         self.segments.push(segment);

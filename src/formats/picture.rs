@@ -1,20 +1,21 @@
 //! Pictures: dark blobs on light ground, or light ones on dark, become points.
 //!
 //! Pixels on one side of a threshold that touch, also at corners, are one blob; its centroid is a point, and the radius
-//! of a disk of the same area its attribute. y points down, as in the picture and on the page. What is done beyond that, each
-//! with a note: uneven light is evened out (`light.rs`), marks that only opacity tells are found by it, frames and axes are left
-//! out, and a second kind of fainter or smaller spots is taken too.
+//! of a disk of the same area its attribute. y points down, as in the picture and on the page.
+//!
+//! What is not a point, and what a single threshold does not find (`spots.rs`): frames and axes are left out; small
+//! blobs stay when many are alike; fainter ones are looked for with a second threshold; where the light is uneven, pixels
+//! are compared with those around them (`ground.rs`); on transparent ground, marks are told by their opacity when
+//! their brightness does not tell them.
 
 use std::borrow::Cow;
 
 use glam::DVec2;
 
-use super::blobs::{Blob, components, dirt, frames, second_kind};
 use super::error::FormatError;
-use super::light::{Light, faint_threshold, histogram, otsu};
 use super::note::counted;
 use super::style::RADIUS_ATTRIBUTE;
-use super::{FileFormat, Note, ReadOptions, Reading};
+use super::{FileFormat, Note, ReadOptions, Reading, ground, spots};
 use crate::pattern::{Attribute, Boundary, Domain, MAX_POINTS, PointPattern};
 
 /// Most pixels of a picture: 4096².
@@ -27,7 +28,7 @@ pub struct Picture {
     height: usize,
     /// Brightness from 0 (black) to 255, row by row; what is transparent shows white.
     brightness: Vec<u8>,
-    /// From 0 (opaque) to 255, where at least a quarter of the pixels is rather transparent.
+    /// From 0, where a pixel is opaque, to 255, where it is transparent; only where most are transparent.
     transparency: Option<Vec<u8>>,
 }
 
@@ -46,10 +47,12 @@ impl Picture {
         if rgba.len() != 4 * count {
             return refuse(format!("{width} × {height} pixels do not take {} bytes", rgba.len()));
         }
+        let mut transparent = 0;
         let brightness = rgba
             .chunks_exact(4)
             .map(|pixel| {
                 let [red, green, blue, alpha] = [pixel[0], pixel[1], pixel[2], pixel[3]].map(u32::from);
+                transparent += usize::from(alpha < 128);
                 // ITU-R BT.601, in thousandths.
                 let luma = (299 * red + 587 * green + 114 * blue + 500) / 1000;
                 let shown = (luma * alpha + 255 * (255 - alpha) + 127) / 255;
@@ -57,10 +60,24 @@ impl Picture {
                 shown as u8
             })
             .collect();
-        let alphas = || rgba.iter().skip(3).step_by(4);
-        let is_transparent = 4 * alphas().filter(|&&alpha| alpha < 128).count() >= count;
-        let transparency = is_transparent.then(|| alphas().map(|alpha| 255 - alpha).collect());
+        let is_ground = 2 * transparent > count;
+        let transparency = is_ground.then(|| rgba.chunks_exact(4).map(|pixel| 255 - pixel[3]).collect());
         Ok(Self { width, height, brightness, transparency })
+    }
+
+    /// The transparency, where it tells marks that the brightness does not: light ones on a ground that shows white.
+    fn marks(&self) -> Option<&[u8]> {
+        let transparency = self.transparency.as_deref()?;
+        let threshold = otsu(&histogram(&self.brightness));
+        let opaque = transparency.iter().filter(|&&value| value < 128).count();
+        let shown = self.brightness.iter().zip(transparency).filter(|&(&b, &t)| t < 128 && b <= threshold).count();
+        // Of marks that all show, only the soft edges are light.
+        if opaque == 0 || shown + opaque / 8 >= opaque {
+            return None;
+        }
+        // A light sheet with dark marks is opaque as a whole: then the brightness tells more.
+        let blobs = |values: &[u8], limit: u8| components(values, self.width, |value| value <= limit).len();
+        (blobs(transparency, 127) > blobs(&self.brightness, threshold)).then_some(transparency)
     }
 }
 
@@ -79,15 +96,15 @@ pub enum Ink {
 /// How points are looked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BlobOptions {
-    /// Pixels up to this brightness are dark; Otsu's (1979) when `None`, and then a second kind of fainter spots is looked for
-    /// too. Of a picture whose light was evened out it is the brightness after that, of one that opacity tells the transparency.
+    /// Pixels up to this brightness are dark; when `None`, Otsu's (1979), of the differences from what is around a pixel
+    /// where the light is uneven. Of marks on transparent ground it is the transparency.
     pub threshold: Option<u8>,
-    /// Which pixels are points.
+    /// Which pixels are points. On transparent ground, where marks are told by their opacity, dark means opaque.
     pub ink: Ink,
-    /// Smallest blob in pixels; when `None` those of a quarter of the median area or less are taken for dirt, unless they are
-    /// a second kind of spots.
+    /// Smallest blob in pixels; when `None` those of a quarter of the median area or less are taken for dirt, unless many
+    /// are alike.
     pub min_area: Option<f64>,
-    /// Largest blob in pixels; no limit when `None`, and then frames and axes are left out.
+    /// Largest blob in pixels; no limit when `None`.
     pub max_area: Option<f64>,
 }
 
@@ -98,130 +115,48 @@ pub struct Blobs {
     pub reading: Reading,
     /// The threshold that was used.
     pub threshold: u8,
+    /// Whether it is one of differences: 128 is as bright as what is around a pixel.
+    pub is_local: bool,
     /// Which side of it was taken; never [`Ink::Auto`].
     pub ink: Ink,
-    /// The threshold of a second kind of fainter spots, where they were taken too.
-    pub faint_threshold: Option<u8>,
-    /// Whether uneven light was evened out before.
-    pub is_evened: bool,
-    /// Whether opacity told the marks, and not brightness.
-    pub is_by_opacity: bool,
 }
 
-/// Blobs at a threshold.
-struct Found {
-    threshold: u8,
-    ink: Ink,
-    faint_threshold: Option<u8>,
-    kept: Vec<Blob>,
-    /// Of whatever size.
-    all: usize,
-    /// Left out for their size.
-    sized: usize,
-    smallest: f64,
-    notes: Vec<Note>,
+/// Pixels on both sides of a threshold.
+pub(super) struct Split {
+    pub(super) threshold: u8,
+    pub(super) ink: Ink,
+    pub(super) blobs: Vec<Blob>,
+    /// How many values lie between the means of both sides, in standard deviations of the ground, which is at least 1.
+    pub(super) separation: f64,
 }
 
-impl Found {
-    fn is_ink(&self, level: u8) -> bool {
-        (level <= self.threshold) == (self.ink == Ink::Dark)
-    }
-
-    fn of(levels: &[u8], [width, height]: [usize; 2], options: &BlobOptions) -> Self {
-        let histogram = histogram(levels);
+impl Split {
+    pub(super) fn of(values: &[u8], width: usize, options: &BlobOptions) -> Self {
+        let histogram = histogram(values);
         let threshold = options.threshold.unwrap_or_else(|| otsu(&histogram));
         let dark: usize = histogram[..=usize::from(threshold)].iter().sum();
         let ink = match options.ink {
-            Ink::Auto if 2 * dark <= levels.len() => Ink::Dark,
+            Ink::Auto if 2 * dark <= values.len() => Ink::Dark,
             Ink::Auto => Ink::Light,
             chosen => chosen,
         };
-        let mut found = Self {
-            threshold,
-            ink,
-            faint_threshold: None,
-            kept: Vec::new(),
-            all: 0,
-            sized: 0,
-            smallest: 0.0,
-            notes: Vec::new(),
-        };
-        let mut blobs = components(levels, width, |level| (found.is_ink(level), false));
-        found.all = blobs.len();
-        let mut notes = Vec::new();
-        if options.max_area.is_none() {
-            found.leave_out_frames(&mut blobs, [width, height], &mut notes);
-        }
-        found.smallest = options.min_area.unwrap_or_else(|| dirt(&blobs));
-        let largest = options.max_area.unwrap_or(f64::INFINITY);
-        let (mut kept, rest): (Vec<Blob>, Vec<Blob>) =
-            blobs.into_iter().partition(|blob| blob.area >= found.smallest && blob.area <= largest);
-
-        found.sized = rest.len();
-        // Smaller ones, and fainter ones, are dirt unless they are many and alike.
-        let small = if options.min_area.is_none() { rest } else { Vec::new() };
-        let faint_threshold = if options.threshold.is_none() && options.max_area.is_none() && options.min_area.is_none()
-        {
-            faint_threshold(&histogram, threshold, ink == Ink::Dark)
-        } else {
-            None
-        };
-        let faint: Vec<Blob> = faint_threshold.map_or_else(Vec::new, |faint| {
-            let is_faint = |level: u8| if ink == Ink::Dark { level <= faint } else { level >= faint };
-            let all = components(levels, width, |level| (is_faint(level), found.is_ink(level)));
-            all.into_iter().filter(|blob| !blob.has_core).collect()
-        });
-        let before = kept.len();
-        let mut second: Vec<Blob> = small.iter().chain(&faint).cloned().collect();
-        if second_kind(&kept, &second) {
-            found.faint_threshold = faint_threshold.filter(|_| !faint.is_empty());
-            kept.append(&mut second);
-            found.sized = 0;
-        } else if second_kind(&kept, &small) {
-            kept.extend(small.iter().cloned());
-            found.sized = 0;
-        }
-        let added = kept.len() - before;
-        if added > 0 {
-            let at = found.faint_threshold.map_or_else(String::new, |faint| format!(", down to threshold {faint}"));
-            let blobs = counted(added, "One blob is", "blobs are");
-            notes.push(Note::changed(format!(
-                "{blobs} smaller or fainter than the other {before} at threshold {threshold}, but alike, and were taken for points \
-                 too{at}. Set a smallest area to leave them out."
-            )));
-        } else if let Some(at) = faint_threshold.filter(|_| !faint.is_empty() && faint.len() <= 3 * kept.len()) {
-            let spots = counted(faint.len(), "One fainter spot was", "fainter spots were");
-            notes.push(Note::left_out(format!(
-                "{spots} left out at threshold {threshold}. Threshold {at} takes them too, if they are points."
-            )));
-        }
-        found.kept = kept;
-        found.notes = notes;
-        found
+        let mut split = Self { threshold, ink, blobs: Vec::new(), separation: 0.0 };
+        split.blobs = components(values, width, |value| split.is_ink(value));
+        let [low, high] = [moments(&histogram, 0..=threshold), moments(&histogram, threshold.saturating_add(1)..=255)];
+        let ground = if ink == Ink::Dark { high } else { low };
+        split.separation = (high.0 - low.0) / ground.1.max(1.0);
+        split
     }
 
-    fn leave_out_frames(&self, blobs: &mut Vec<Blob>, sides: [usize; 2], notes: &mut Vec<Note>) {
-        let are_frames = frames(blobs, sides);
-        let mut marks = are_frames.iter();
-        let all = blobs.clone();
-        blobs.retain(|_| marks.next() == Some(&false));
-        let found: Vec<&Blob> = all.iter().zip(&are_frames).filter(|(_, is)| **is).map(|(blob, _)| blob).collect();
-        if found.is_empty() {
-            return;
-        }
-        let shapes = counted(found.len(), "One shape that is", "shapes that are");
-        let was = if found.len() == 1 { "was" } else { "were" };
-        let they = if found.len() == 1 { "it is a point" } else { "they are points" };
-        notes.push(Note::left_out(format!(
-            "{shapes} long and thin beside the others, a frame, axis or line, {was} left out. Set a largest area if {they}."
-        )));
-        let outside = blobs.iter().filter(|blob| found.iter().all(|frame| !frame.holds(blob.center))).count();
-        if outside > 0 && 2 * outside < blobs.len() {
-            let are = counted(outside, "One blob is", "blobs are");
-            notes.push(Note::odd(format!(
-                "{are} outside the frame or axes. If these are labels, cut the picture along the frame first."
-            )));
-        }
+    pub(super) fn is_ink(&self, value: u8) -> bool {
+        (value <= self.threshold) == (self.ink == Ink::Dark)
+    }
+
+    /// The blobs that are neither dirt nor beyond what was asked for.
+    fn kept(&self, options: &BlobOptions) -> impl Iterator<Item = &Blob> {
+        let smallest = options.min_area.unwrap_or_else(|| spots::smallest(&self.blobs));
+        let largest = options.max_area.unwrap_or(f64::INFINITY);
+        self.blobs.iter().filter(move |blob| blob.area >= smallest && blob.area <= largest)
     }
 }
 
@@ -230,46 +165,71 @@ impl Found {
 /// # Errors
 /// When there are none, or more than a pattern may hold.
 pub fn find_blobs(picture: &Picture, options: &BlobOptions, read: &ReadOptions) -> Result<Blobs, FormatError> {
-    let sides = [picture.width, picture.height];
-    let light = Light::of(&picture.brightness, sides);
-    let is_evened = light.is_some();
-    let levels = match light {
-        Some(light) => Cow::Owned(light.evened(&picture.brightness, sides)),
-        None => Cow::Borrowed(&picture.brightness),
-    };
-    let mut found = Found::of(&levels, sides, options);
-    let by_opacity = picture
-        .transparency
-        .as_ref()
-        .filter(|_| options.ink != Ink::Light)
-        .map(|levels| Found::of(levels, sides, &BlobOptions { ink: Ink::Dark, ..*options }))
-        // Of marks that brightness tells as well it is the measure.
-        .filter(|other| 10 * other.kept.len() > 11 * found.kept.len());
-    let is_by_opacity = by_opacity.is_some();
-    if let Some(by_opacity) = by_opacity {
-        found = by_opacity;
+    let size = [picture.width, picture.height];
+    let mut notes = Vec::new();
+    let mut values = Cow::Borrowed(&picture.brightness[..]);
+    let marks = picture.marks();
+    let mut options = *options;
+    if let Some(marks) = marks {
+        values = Cow::Borrowed(marks);
+        if options.ink == Ink::Auto {
+            options.ink = Ink::Dark;
+        }
+        notes.push(Note::changed(
+            "The ground is transparent, and the marks on it hardly show on white: points are what is opaque. Put the marks \
+             on a ground of another colour if that was not meant.",
+        ));
     }
-    let Found { threshold, ink, faint_threshold, kept, all, sized, smallest, notes } = found;
+    let mut split = Split::of(&values, size[0], &options);
+    let mut is_local = false;
+    if options.threshold.is_none()
+        && marks.is_none()
+        && let Some((flat, local)) = ground::even(&values, size, &split, &options, |split| split.kept(&options).count())
+    {
+        (values, split, is_local) = (Cow::Owned(flat), local, true);
+        notes.push(Note::changed(
+            "The light is uneven: no threshold parts the points from the ground everywhere. Each pixel was compared with \
+             those around it instead. Set the threshold to use one for the whole picture.",
+        ));
+    }
+    let all = split.blobs.len();
+    let mut kept: Vec<Blob> = split.kept(&options).copied().collect();
+    let beyond = all - kept.len();
     if kept.is_empty() {
-        let side = if ink == Ink::Dark { "dark" } else { "light" };
+        let side = match split.ink {
+            _ if marks.is_some() => "opaque",
+            Ink::Dark => "dark",
+            _ => "light",
+        };
+        let smallest = options.min_area.unwrap_or_else(|| spots::smallest(&split.blobs));
         let largest = options.max_area.unwrap_or(f64::INFINITY);
         let reason = match all {
-            0 => format!("it has no {side} blobs at threshold {threshold}"),
-            all if smallest <= largest && options.min_area.is_none() && options.max_area.is_none() => {
-                format!("its {all} {side} blobs at threshold {threshold} are lines or frames")
-            }
+            0 => format!("it has no {side} blobs at threshold {}", split.threshold),
             all => format!("none of its {all} {side} blobs has {smallest} to {largest} pixels"),
         };
         return Err(FormatError::Pixels { reason });
+    }
+    if options.min_area.is_none() {
+        notes.extend(spots::note_of_small(&kept, &split.blobs));
+    }
+    notes.extend(spots::take_frames(&mut kept, size));
+    if options.threshold.is_none() {
+        let (fainter, note) = spots::fainter(&values, size[0], &split, kept.len());
+        let [smallest, largest] = [options.min_area.unwrap_or(0.0), options.max_area.unwrap_or(f64::INFINITY)];
+        let before = kept.len();
+        let are_left_out = fainter.is_empty();
+        kept.extend(fainter.into_iter().filter(|blob| blob.area >= smallest && blob.area <= largest));
+        if are_left_out || kept.len() > before {
+            notes.extend(note);
+        }
     }
     if kept.len() > MAX_POINTS {
         let reason = format!("it has {} blobs; at most {MAX_POINTS} are allowed: ask for larger ones", kept.len());
         return Err(FormatError::Pixels { reason });
     }
-    let size = DVec2::new(picture.width as f64, picture.height as f64);
     let domain = match read.domain {
         Some(domain) => domain,
-        None => Domain::new(DVec2::ZERO, size)?,
+        None => Domain::new(DVec2::ZERO, DVec2::new(picture.width as f64, picture.height as f64))?,
     };
     let radius = kept.iter().map(|blob| (blob.area / std::f64::consts::PI).sqrt()).collect();
     let positions = kept.iter().map(|blob| blob.center).collect();
@@ -278,23 +238,161 @@ pub fn find_blobs(picture: &Picture, options: &BlobOptions, read: &ReadOptions) 
         .with_attribute(Attribute { name: RADIUS_ATTRIBUTE.to_owned(), values: radius })?;
     let mut reading = Reading::new(FileFormat::Picture, pattern);
     reading.is_domain_declared = true;
-    if is_evened && !is_by_opacity {
-        reading.notes.push(Note::changed(format!(
-            "The ground is darker on one side than on another, so its light was evened out before the threshold {threshold}."
+    if beyond > 0 {
+        let were = counted(beyond, "One blob was", "blobs were");
+        notes.push(Note::left_out(format!(
+            "{were} too small or too large. Change the smallest or the largest blob to have them."
         )));
     }
-    if is_by_opacity {
-        reading.notes.push(Note::changed(format!(
-            "The ground is transparent and hides the marks on white, so that opacity tells them, at threshold {threshold}."
-        )));
+    reading.notes = notes;
+    Ok(Blobs { reading, threshold: split.threshold, is_local, ink: split.ink })
+}
+
+/// How many pixels have each value.
+pub(super) fn histogram(values: &[u8]) -> [usize; 256] {
+    let mut histogram = [0; 256];
+    for &value in values {
+        histogram[usize::from(value)] += 1;
     }
-    match sized {
-        0 => {}
-        1 => reading.notes.push(Note::left_out("One blob was too small or too large.")),
-        others => reading.notes.push(Note::left_out(format!("{others} blobs were too small or too large."))),
+    histogram
+}
+
+/// Mean and standard deviation of the values in a range; 0 where there are none.
+pub(super) fn moments(histogram: &[usize; 256], range: std::ops::RangeInclusive<u8>) -> (f64, f64) {
+    let pairs = || range.clone().map(|value| (f64::from(value), histogram[usize::from(value)] as f64));
+    let count: f64 = pairs().map(|(_, count)| count).sum();
+    if count == 0.0 {
+        return (0.0, 0.0);
     }
-    reading.notes.extend(notes);
-    Ok(Blobs { reading, threshold, ink, faint_threshold, is_evened: is_evened && !is_by_opacity, is_by_opacity })
+    let mean = pairs().map(|(value, count)| value * count).sum::<f64>() / count;
+    let square = pairs().map(|(value, count)| (value - mean) * (value - mean) * count).sum::<f64>() / count;
+    (mean, square.sqrt())
+}
+
+/// The threshold that parts the pixels into the two most different groups (Otsu 1979). Between two groups with nothing
+/// in between it is the middle of the gap.
+fn otsu(histogram: &[usize; 256]) -> u8 {
+    let total: usize = histogram.iter().sum();
+    let weighted = |from: usize, to: usize| -> f64 { (from..to).map(|value| (value * histogram[value]) as f64).sum() };
+    let all = weighted(0, 256);
+    let (mut count, mut sum) = (0_usize, 0.0);
+    let (mut best, mut first, mut last) = (-1.0, 0_u8, 0_u8);
+    for threshold in 0..=255_u8 {
+        count += histogram[usize::from(threshold)];
+        sum += f64::from(threshold) * histogram[usize::from(threshold)] as f64;
+        let (low, high) = (count as f64, (total - count) as f64);
+        let between = if low > 0.0 && high > 0.0 {
+            let apart = sum / low - (all - sum) / high;
+            low * high * apart * apart
+        } else {
+            0.0
+        };
+        if between > best {
+            (best, first, last) = (between, threshold, threshold);
+        } else if between == best {
+            last = threshold;
+        }
+    }
+    // Of a range of equally good ones.
+    first + (last - first) / 2
+}
+
+/// Pixels that touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Blob {
+    pub(super) center: DVec2,
+    pub(super) area: f64,
+    /// The first column and row, and those behind the last.
+    pub(super) min: [usize; 2],
+    pub(super) max: [usize; 2],
+    /// The least and the greatest value.
+    pub(super) values: [u8; 2],
+}
+
+impl Blob {
+    /// Width and height of the rectangle around it.
+    pub(super) fn sides(&self) -> [f64; 2] {
+        [0, 1].map(|axis| (self.max[axis] - self.min[axis]) as f64)
+    }
+
+    /// How much of that rectangle it fills.
+    pub(super) fn fill(&self) -> f64 {
+        let [width, height] = self.sides();
+        self.area / (width * height)
+    }
+}
+
+/// Connected components by union of the runs of each row with those of the row above, in reading order.
+pub(super) fn components(values: &[u8], width: usize, is_ink: impl Fn(u8) -> bool) -> Vec<Blob> {
+    struct Run {
+        start: usize,
+        end: usize,
+        row: usize,
+        values: [u8; 2],
+    }
+    fn root(parents: &mut [usize], mut run: usize) -> usize {
+        while parents[run] != run {
+            // Halves the way for the next one.
+            parents[run] = parents[parents[run]];
+            run = parents[run];
+        }
+        run
+    }
+    let mut runs: Vec<Run> = Vec::new();
+    let mut parents: Vec<usize> = Vec::new();
+    let mut above = 0..0;
+    for (row, pixels) in values.chunks_exact(width.max(1)).enumerate() {
+        let first = runs.len();
+        let mut column = 0;
+        while column < pixels.len() {
+            if !is_ink(pixels[column]) {
+                column += 1;
+                continue;
+            }
+            let start = column;
+            while column < pixels.len() && is_ink(pixels[column]) {
+                column += 1;
+            }
+            let run = runs.len();
+            parents.push(run);
+            let extreme =
+                pixels[start..column].iter().fold([255, 0], |[low, high]: [u8; 2], &v| [low.min(v), high.max(v)]);
+            runs.push(Run { start, end: column, row, values: extreme });
+            // Corners touch: one pixel more on either side. Runs above that end before this one never touch later ones.
+            while above.start < above.end && runs[above.start].end < start {
+                above.start += 1;
+            }
+            for other in above.clone() {
+                if runs[other].start > column {
+                    break;
+                }
+                let (a, b) = (root(&mut parents, other), root(&mut parents, run));
+                parents[a.max(b)] = a.min(b);
+            }
+        }
+        above = first..runs.len();
+    }
+    let mut blobs: Vec<Blob> = Vec::new();
+    let mut places = vec![usize::MAX; runs.len()];
+    for (index, run) in runs.iter().enumerate() {
+        let top = root(&mut parents, index);
+        if places[top] == usize::MAX {
+            places[top] = blobs.len();
+            blobs.push(Blob { center: DVec2::ZERO, area: 0.0, min: [usize::MAX; 2], max: [0; 2], values: [255, 0] });
+        }
+        let blob = &mut blobs[places[top]];
+        let length = (run.end - run.start) as f64;
+        blob.area += length;
+        blob.min = [blob.min[0].min(run.start), blob.min[1].min(run.row)];
+        blob.max = [blob.max[0].max(run.end), blob.max[1].max(run.row + 1)];
+        blob.values = [blob.values[0].min(run.values[0]), blob.values[1].max(run.values[1])];
+        // Of the pixels' middles.
+        blob.center += length * DVec2::new((run.start + run.end) as f64 / 2.0, run.row as f64 + 0.5);
+    }
+    for blob in &mut blobs {
+        blob.center /= blob.area;
+    }
+    blobs
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What a person sees of a file before its points are used.
 
-use super::{Column, Note, Origin, Reading};
+use super::{Column, Note, Origin, Reading, oddities};
 use crate::pattern::{Attribute, Boundary, Domain, PointPattern};
 
 /// Counts, ranges and whatever looks odd.
@@ -84,7 +84,7 @@ impl Preview {
             domains: Vec::new(),
             columns: Vec::new(),
             origin: Origin::default(),
-            notes: oddities(pattern, spacing),
+            notes: oddities(pattern),
         }
     }
 }
@@ -97,26 +97,4 @@ fn corners(domain: Domain) -> [f64; 4] {
 fn range_of(attribute: &Attribute) -> AttributePreview {
     let (min, max) = attribute.range();
     AttributePreview { name: attribute.name.clone(), min, max }
-}
-
-/// Few points, and points on top of each other: both are allowed, and seldom meant.
-fn oddities(pattern: &PointPattern, spacing: Option<f64>) -> Vec<Note> {
-    /// Below this many points the statistics are those of a few accidents.
-    const FEW: usize = 16;
-    let mut notes = Vec::new();
-    let mut places: Vec<[u64; 2]> =
-        pattern.positions().iter().map(|point| [(point.x + 0.0).to_bits(), (point.y + 0.0).to_bits()]).collect();
-    places.sort_unstable();
-    places.dedup();
-    match pattern.len() - places.len() {
-        0 => {}
-        1 => notes.push(Note::odd("One point lies exactly on another.")),
-        doubled => notes.push(Note::odd(format!("{doubled} points lie exactly on others."))),
-    }
-    if spacing.is_none() {
-        notes.push(Note::odd("There are no two points at different places, so there is no arrangement to learn."));
-    } else if pattern.len() < FEW {
-        notes.push(Note::odd(format!("There are only {} points; a few dozen say more.", pattern.len())));
-    }
-    notes
 }

@@ -61,7 +61,10 @@ const RAMP: [[f64; 3]; 5] =
 /// # Errors
 /// When the pattern has no two points in different places, or a picture can't be encoded.
 pub fn write_report(pattern: &PointPattern, analysis: &Analysis, name: &str) -> Result<String, ReportError> {
-    let cloud = Cloud::of(pattern);
+    let cloud = match &analysis.part {
+        Some(part) => Cloud::of(pattern).within(part.window()?)?,
+        None => Cloud::of(pattern),
+    };
     let scales = Scales::of(&cloud)?;
     let side = Side { pattern, cloud, analysis, name, color: SIDES[0], role: "pattern" };
     Page::draw(&[side], &scales, &format!("Point pattern: {name}"), &describe(analysis), None)

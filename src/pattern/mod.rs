@@ -17,4 +17,5 @@ pub use point_pattern::{
     ORIENTATION_ATTRIBUTE, PointPattern, RADIUS_ATTRIBUTE, SCALE_ATTRIBUTE,
 };
 pub(crate) use point_pattern::{RawPattern, check_name, mean_nearest_distance};
-pub use window::{MAX_CORNERS, Window};
+pub(crate) use window::convex_hull;
+pub use window::{MAX_CORNERS, Window, WindowIndex};

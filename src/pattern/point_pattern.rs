@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::domain::{Boundary, Domain};
 use super::error::PatternError;
+use super::window::Window;
 use crate::sorting;
 
 /// Most points a pattern may hold; the page still draws this many smoothly.
@@ -255,6 +256,36 @@ impl PointPattern {
         }
         self.attributes.push(attribute);
         Ok(self)
+    }
+
+    /// What lies within a window, in the smallest rectangle around it, and how many points do not. A point that lies
+    /// outside by no more than a millionth of the rectangle's longer side is on the outline.
+    ///
+    /// # Errors
+    /// When no point lies within, or the rectangle can't be a domain.
+    pub fn cut(&self, window: &Window) -> Result<(Self, usize), PatternError> {
+        let (low, high) = window.bounds();
+        let index = window.index();
+        let slack = 1e-6 * (high - low).max_element();
+        let kept: Vec<usize> = (0..self.len())
+            .filter(|&i| index.contains(self.positions[i]) || window.clearance(&index, self.positions[i]) >= -slack)
+            .collect();
+        let positions: Vec<DVec2> = kept.iter().map(|&i| self.positions[i]).collect();
+        let min = positions.iter().copied().fold(low, DVec2::min);
+        let max = positions.iter().copied().fold(high, DVec2::max);
+        let mut size = max - min;
+        // Rounding must not leave the outermost points outside.
+        let digit = min.abs().max(max.abs()) * f64::EPSILON;
+        for _ in 0..4 {
+            size += DVec2::select(max.cmpgt(min + size), digit, DVec2::ZERO);
+        }
+        let mut pattern = Self::new(Domain::new(min, size)?, positions)?
+            .with_classes(kept.iter().map(|&i| self.classes[i]).collect(), self.class_names.clone())?;
+        for attribute in &self.attributes {
+            let values = kept.iter().map(|&i| attribute.values[i]).collect();
+            pattern = pattern.with_attribute(Attribute { name: attribute.name.clone(), values })?;
+        }
+        Ok((pattern, self.len() - kept.len()))
     }
 
     /// How many points there are; at least 1.

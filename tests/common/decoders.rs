@@ -3,6 +3,9 @@
 #![allow(dead_code, unreachable_pub, reason = "each fuzzer includes this file and uses its own part")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a fuzzer looks for panics")]
 
+#[path = "zip.rs"]
+pub mod zip;
+
 use pointweave::PatternError;
 use pointweave::formats::link::{Link, LinkExemplar, Written, read_link, write_link};
 use pointweave::formats::{
@@ -49,8 +52,8 @@ pub fn json(bytes: &[u8]) {
     if let Some(reading) = look(bytes, "a.json") {
         let again = open(write_json(&reading.pattern).as_bytes(), None, &ReadOptions::default()).expect("our own JSON");
         assert_eq!(again.pattern, reading.pattern);
-        let geojson = write_geojson(&reading.pattern, &reading.origin);
-        let again = open(geojson.as_bytes(), None, &ReadOptions::default()).expect("our own GeoJSON");
+        let written = write_geojson(&reading.pattern, &reading.origin);
+        let again = open(written.as_bytes(), None, &ReadOptions::default()).expect("our own GeoJSON");
         assert_eq!(again.pattern.classes(), reading.pattern.classes());
         assert_eq!(again.pattern.attributes(), reading.pattern.attributes());
         if reading.origin.projection.is_none() {
@@ -68,66 +71,44 @@ pub fn svg(bytes: &[u8]) {
     }
 }
 
-/// NumPy arrays, archives, and arrays that are put into one: Z, how it is packed, then the arrays.
+/// NumPy arrays, and archives of them: as they are when they begin with `PK`, and made of arrays when with `Z`.
 pub fn npy(bytes: &[u8]) {
-    const MAGIC: &[u8] = b"\x93NUMPY";
     // Most of what a fuzzer tries should get beyond the first bytes.
     let bytes = match bytes {
-        [b'Z', packing, rest @ ..] => {
-            let starts = rest.windows(MAGIC.len()).enumerate().filter(|(_, window)| *window == MAGIC).map(|(at, _)| at);
-            let starts: Vec<usize> = starts.take(6).chain([rest.len()]).collect();
-            let names = [
-                ["x.npy", "y.npy", "class.npy", "w.npy", "v.npy", "u.npy"],
-                ["points.npy", "a", "b.npy", "c.npy", "d", "e"],
-            ];
-            let arrays = starts.windows(2).map(|pair| &rest[pair[0]..pair[1]]);
-            let entries: Vec<_> = names[usize::from(packing / 2 % 2)].into_iter().zip(arrays).collect();
-            zip(&entries, packing % 2 == 1)
-        }
-        _ if bytes.starts_with(MAGIC) || bytes.starts_with(b"PK") => bytes.to_vec(),
-        _ => [MAGIC, bytes].concat(),
+        [0x93, b'N', b'U', b'M', b'P', b'Y', ..] | [b'P', b'K', ..] => bytes.to_vec(),
+        [b'Z', rest @ ..] => archive(rest),
+        _ => [b"\x93NUMPY", bytes].concat(),
     };
     if let Some(reading) = look(&bytes, "a.npy") {
-        let again = open(&write_npy(&reading.pattern), None, &ReadOptions::default()).expect("our own array");
-        assert_eq!(again.pattern.positions(), reading.pattern.positions());
+        let pattern = reading.pattern;
+        let again = open(&write_npy(&pattern), None, &ReadOptions::default()).expect("our own array");
+        assert_eq!(again.pattern.positions(), pattern.positions());
     }
 }
 
-/// A ZIP archive of these files, deflated or stored.
-pub fn zip(entries: &[(&str, &[u8])], is_deflated: bool) -> Vec<u8> {
-    let crc = |bytes: &[u8]| {
-        !bytes.iter().fold(u32::MAX, |crc, &byte| {
-            (0..8).fold(crc ^ u32::from(byte), |crc, _| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 })
+/// An archive whose sums are right: its entries end with a line of `--`, and begin with their names.
+fn archive(bytes: &[u8]) -> Vec<u8> {
+    let text: Vec<&[u8]> = split(bytes, b"\n--\n");
+    let files: Vec<(String, &[u8])> = text
+        .iter()
+        .map(|entry| {
+            let end = entry.iter().position(|&byte| byte == b'\n').unwrap_or(entry.len());
+            let name = String::from_utf8_lossy(&entry[..end.min(100)]).into_owned();
+            (name, entry.get(end + 1..).unwrap_or_default())
         })
-    };
-    let (mut bytes, mut directory) = (Vec::new(), Vec::new());
-    for (name, data) in entries {
-        let packed = if is_deflated { miniz_oxide::deflate::compress_to_vec(data, 6) } else { data.to_vec() };
-        let offset = bytes.len() as u32;
-        let mut common = vec![20, 0, 0, 0, if is_deflated { 8 } else { 0 }, 0, 0, 0, 0, 0];
-        common.extend(crc(data).to_le_bytes());
-        common.extend((packed.len() as u32).to_le_bytes());
-        common.extend((data.len() as u32).to_le_bytes());
-        common.extend((name.len() as u16).to_le_bytes());
-        common.extend([0, 0]);
-        bytes.extend(b"PK\x03\x04");
-        bytes.extend(&common);
-        bytes.extend(name.as_bytes());
-        bytes.extend(&packed);
-        directory.extend(b"PK\x01\x02\x14\x00");
-        directory.extend(&common);
-        directory.extend([0; 10]);
-        directory.extend(offset.to_le_bytes());
-        directory.extend(name.as_bytes());
+        .collect();
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, file)| (name.as_str(), *file)).collect();
+    zip::zip(&files, if bytes.len().is_multiple_of(4) { zip::Packed::Deflated } else { zip::Packed::Stored })
+}
+
+fn split<'a>(mut bytes: &'a [u8], by: &[u8]) -> Vec<&'a [u8]> {
+    let mut parts = Vec::new();
+    while let Some(at) = bytes.windows(by.len()).position(|window| window == by) {
+        parts.push(&bytes[..at]);
+        bytes = &bytes[at + by.len()..];
     }
-    let (start, count) = (bytes.len() as u32, entries.len() as u16);
-    bytes.extend(&directory);
-    bytes.extend(b"PK\x05\x06\x00\x00\x00\x00");
-    bytes.extend([count.to_le_bytes(), count.to_le_bytes()].concat());
-    bytes.extend((directory.len() as u32).to_le_bytes());
-    bytes.extend(start.to_le_bytes());
-    bytes.extend([0, 0]);
-    bytes
+    parts.push(bytes);
+    parts
 }
 
 /// PNG and whatever else is told by its first bytes.
@@ -140,7 +121,12 @@ pub fn pixels(bytes: &[u8]) {
     let [width, threshold, ink, min_area, max_area, pixels @ ..] = bytes else { return };
     let width = usize::from(*width).max(1);
     let height = pixels.len() / width;
-    let rgba: Vec<u8> = pixels[..width * height].iter().flat_map(|&gray| [gray, gray, gray, 255 - gray / 16]).collect();
+    // White or gray marks on transparent ground, or a picture that is nearly opaque.
+    let pixel = |gray: u8| match *ink {
+        192.. => [gray | 63, 255, 255, gray],
+        _ => [gray, gray, gray, 255 - gray / 16],
+    };
+    let rgba: Vec<u8> = pixels[..width * height].iter().flat_map(|&gray| pixel(gray)).collect();
     let options = BlobOptions {
         threshold: (threshold % 2 == 0).then_some(*threshold),
         ink: [Ink::Auto, Ink::Dark, Ink::Light][usize::from(ink % 3)],

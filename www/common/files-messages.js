@@ -40,7 +40,7 @@
 // What the worker answers.
 /** @typedef {{ type: 'read', pattern: PatternData, preview: Preview, project: Project | null }} ReadResponse */
 /** The file is a picture: its pixels have to come as `blobs`. @typedef {{ type: 'picture', kind: string }} PictureResponse */
-/** @typedef {{ type: 'blobs', pattern: PatternData, preview: Preview, threshold: number, ink: 'dark' | 'light' }} BlobsResponse */
+/** @typedef {{ type: 'blobs', pattern: PatternData, preview: Preview, threshold: number, local: boolean, ink: 'dark' | 'light' }} BlobsResponse */
 /** @typedef {{ type: 'written', bytes: Uint8Array, mime: string, extension: string }} WrittenResponse */
 /** @typedef {{ type: 'glyph', outline: string }} GlyphResponse */
 /** @typedef {{ type: 'link-written', fragment: string, pattern: PatternData, exact: boolean, note: string | null }} LinkWrittenResponse */

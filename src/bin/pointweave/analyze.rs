@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use pointweave::analysis::{self, Analysis, Comparison, MarkError, Scales};
 
-use pointweave::formats;
+use pointweave::formats::{self, Note};
+use pointweave::pattern::Window;
 use pointweave::{Domain, PointPattern};
 use serde::Serialize;
 
@@ -62,6 +63,10 @@ pub(crate) struct AnalyzeArguments {
     /// What lies beyond the border of A [default: what the file declares, else open]
     #[arg(long, value_enum)]
     boundary: Option<BoundaryArgument>,
+    /// The outline that A's points were cut from, for the statistics of A alone: a file with a GeoJSON polygon, or with
+    /// corners, one a line
+    #[arg(long, value_name = "FILE", conflicts_with = "output")]
+    window: Option<PathBuf>,
     /// The rectangle B's points were cut from
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true, value_parser = settings::parse_domain,
         requires = "output")]
@@ -97,13 +102,23 @@ pub(crate) fn run(arguments: &AnalyzeArguments) -> Result<(), Failure> {
     }
     let boundary = arguments.boundary.map(Into::into);
     let reading = &arguments.reading;
-    let Opened { pattern, .. } = reading.open(&arguments.pattern, arguments.domain, boundary, arguments.quiet)?;
+    let opened = reading.open(&arguments.pattern, arguments.domain, boundary, arguments.quiet)?;
     let name = title(&arguments.pattern);
+    let (pattern, window) = match &arguments.window {
+        Some(path) => {
+            let (pattern, window, left_out) = cut(&opened, path)?;
+            reading.tell(&files::input_name(&arguments.pattern), &left_out, arguments.quiet)?;
+            (pattern, Some(window))
+        }
+        // One that the file itself holds.
+        None => (opened.pattern, opened.window),
+    };
     match &arguments.output {
         None => {
             let refused = |error| Failure::Run(format!("{name} can't be analysed: {error}"));
-            let scales = Scales::of(&analysis::Cloud::of(&pattern)).map_err(refused)?;
-            let result = Analysis::of_pattern(&pattern, arguments.seed).map_err(refused)?;
+            let cloud = analysis::Cloud::of_part(&pattern, window.as_ref()).map_err(refused)?;
+            let scales = Scales::of(&cloud).map_err(refused)?;
+            let result = Analysis::of_pattern_within(&pattern, window.as_ref(), arguments.seed).map_err(refused)?;
             if let Some(path) = &arguments.svg {
                 let svg = formats::write_report(&pattern, &result, &name).map_err(not_drawn)?;
                 files::write_file(path, svg.as_bytes())?;
@@ -127,6 +142,21 @@ pub(crate) fn run(arguments: &AnalyzeArguments) -> Result<(), Failure> {
             print(arguments.json, &Two { comparison, verdict }, two_table)
         }
     }
+}
+
+/// What of a pattern lies within the window that a file tells, and the window.
+fn cut(opened: &Opened, path: &Path) -> Result<(PointPattern, Window, Vec<Note>), Failure> {
+    let refused =
+        |error: &dyn std::fmt::Display| Failure::Run(format!("the window '{}' can't be used: {error}", path.display()));
+    let bytes = files::read_bytes(path, formats::MAX_BYTES as u64 + 1)?;
+    let mut window = formats::read_window(&bytes, &opened.origin).map_err(|error| refused(&error))?;
+    if let Some(domain) = opened.declared {
+        window = window.clipped(domain).map_err(|error| refused(&error))?;
+    }
+    let (pattern, outside) = opened.pattern.cut(&window).map_err(|error| refused(&error))?;
+    let note = || Note::left_out(format!("{outside} points lie outside of the window and were left out."));
+    let notes = if outside > 0 { vec![note()] } else { Vec::new() };
+    Ok((pattern, window, notes))
 }
 
 fn report(

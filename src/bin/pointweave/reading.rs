@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use pointweave::formats::{self, ColumnChoice, Note, Origin, ReadOptions, Reading};
+use pointweave::pattern::Window;
 use pointweave::{Boundary, Domain, PointPattern};
 
 use crate::failure::Failure;
@@ -42,6 +43,10 @@ fn parse_columns(text: &str) -> Result<Columns, String> {
 pub(crate) struct Opened {
     pub(crate) pattern: PointPattern,
     pub(crate) origin: Origin,
+    /// The outline within its domain that the file tells.
+    pub(crate) window: Option<Window>,
+    /// Its domain, where the file or the person told it.
+    pub(crate) declared: Option<Domain>,
 }
 
 impl ReadArguments {
@@ -61,8 +66,9 @@ impl ReadArguments {
             let notes = formats::Preview::of(&reading).notes;
             self.tell(&files::input_name(input), &notes, quiet)?;
         }
-        let Reading { pattern, origin, .. } = reading;
-        Ok(Opened { pattern, origin })
+        let Reading { pattern, origin, window, is_domain_declared, .. } = reading;
+        let declared = is_domain_declared.then(|| pattern.domain());
+        Ok(Opened { pattern, origin, window, declared })
     }
 
     /// Says the notes, or refuses because of them.

@@ -23,11 +23,11 @@ const MAX_STATE_BYTES: u64 = 200_000_000;
 
 /// Grow a larger pattern out of an exemplar.
 ///
-/// IN is a file, - for standard input, or gallery:NAME for a built-in exemplar. What can be read: CSV (also with tabs
-/// or semicolons), columns separated by blanks, and JSON; columns x, y, class and any further numbers, with or
-/// without a header; GeoJSON points, the circles of an SVG, NumPy arrays, and the dark blobs of a PNG. The domain is what --domain says, else what the file declares in a line
-/// '# domain x0 y0 x1 y1 periodic', else the unit square when all points lie in it, else the points' bounding box and
-/// half a mean spacing around it.
+/// IN is a file, - for standard input, or gallery:NAME for a built-in exemplar. What can be read: tables (CSV, TSV, text in
+/// columns), JSON, GeoJSON, the marks of an SVG, NumPy arrays, and the blobs of a PNG. What is left out or had to be guessed
+/// is said on standard error. The domain is what --domain says, else what the file declares, as in a line
+/// '# domain x0 y0 x1 y1 periodic', else the unit square when all points lie in it and leave no strip of it empty, else the
+/// points' bounding box and half a mean spacing around it.
 ///
 /// The same exemplar, parameters and seed give the same points, whatever the number of threads.
 #[derive(Debug, Args)]
@@ -163,7 +163,7 @@ fn begin(arguments: &SynthArguments, memory_limit: u64) -> Result<(Box<dyn Run>,
     let input = arguments.input.as_deref().unwrap_or(Path::new("-"));
     // Checked before the input is read: a wrong command line is told first.
     let Chosen { method, preset, overrides } = arguments.chosen.chosen()?;
-    let Opened { pattern: exemplar, origin } =
+    let Opened { pattern: exemplar, origin, .. } =
         arguments.reading.open(input, arguments.domain, boundary, arguments.quiet)?;
     let run = method.start(Plan { exemplar, preset, overrides }, memory_limit).map_err(|error| match error {
         RunError::Parameter(error) => Failure::Usage(error.to_string()),

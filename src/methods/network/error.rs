@@ -22,6 +22,19 @@ pub enum NetworkError {
     /// The exemplar has too little structure to learn from.
     #[error("the exemplar can't be used: {0}")]
     Exemplar(&'static str),
+    /// The points fill so little of their domain that no grid holds both.
+    #[error(
+        "the exemplar's points lie about {times:.0} times closer together than {points} points that fill their domain: the \
+         domain is far larger than what the points fill, or points are there twice at slightly different positions; \
+         choose the rectangle that the points were cut from as the domain (--domain, or a line '# domain x0 y0 x1 y1'), or \
+         remove what is there twice"
+    )]
+    Crowded {
+        /// The spacing of independent points in the domain over that of the points.
+        times: f64,
+        /// How many points there are.
+        points: usize,
+    },
     /// More memory than there is.
     #[error("this run needs about {needed_mb} MB of memory, {limit_mb} MB are available; lower {lower}")]
     Memory {

@@ -1,4 +1,4 @@
-//! Whether a run fits into memory, and what to lower where it does not.
+//! Whether a run fits into memory and on a grid, and what to do where it does not.
 
 use glam::DVec2;
 
@@ -29,16 +29,28 @@ fn needed(exemplar: &PointPattern, prepared: &PreparedExemplar, parameters: &Par
     bytes.max().unwrap_or(0)
 }
 
-/// Checks that a run fits into `limit` bytes.
+/// The widest σ in sides of the domain. It grows with how much the points gather, and the grid's margin with it: at this
+/// width an iteration takes about as long as twenty of an exemplar whose points fill it. Clusters that fit into their
+/// domain stay below 1.
+const WIDEST_SIGMA: f64 = 4.0;
+
+/// Checks that a run fits into `limit` bytes, and that the points fill enough of their domain for a grid to hold both.
 ///
 /// # Errors
-/// [`NetworkError::Memory`] when it does not, with what would fit, changing one parameter at a time.
+/// [`NetworkError::Crowded`] where they don't, and [`NetworkError::Memory`] when it does not, with what would fit, changing one parameter at a time.
 pub(super) fn check(
     exemplar: &PointPattern,
     prepared: &PreparedExemplar,
     parameters: &Parameters,
     limit: u64,
 ) -> Result<(), NetworkError> {
+    let schedule = prepared.schedule(parameters);
+    let widest = schedule.scales.iter().map(|scale| scale.sigma).fold(0.0, f64::max);
+    // Clark & Evans's index: where it is not small, a wide σ was asked for by the parameters.
+    let aggregation = 2.0 * prepared.spacing * prepared.density.sqrt();
+    if widest > WIDEST_SIGMA && aggregation < 0.25 {
+        return Err(NetworkError::Crowded { times: 1.0 / aggregation, points: exemplar.len() });
+    }
     let needed_bytes = needed(exemplar, prepared, parameters);
     if needed_bytes <= limit {
         return Ok(());

@@ -156,6 +156,7 @@ fn blobs(width: usize, height: usize, pixels: &[u8], options: BlobOptionsView) -
         pattern: boxed(pattern),
         preview: preview(format.name(), Preview::of(&found.reading)),
         threshold: found.threshold,
+        local: found.is_local,
         ink: if found.ink == Ink::Light { InkView::Light } else { InkView::Dark },
     })
 }

@@ -204,6 +204,8 @@ pub enum FilesResponse {
         preview: PreviewView,
         /// The threshold that was used.
         threshold: u8,
+        /// Whether it is one of differences from what is around a pixel, 128 being none: the light is uneven.
+        local: bool,
         /// Which pixels were taken.
         ink: InkView,
     },

@@ -43,7 +43,8 @@ fn a_file_comes_with_its_preview_and_goes_out_in_every_format() {
     assert_eq!(preview["spacing"], json!(1.0));
     let notes: Vec<Note> = serde_json::from_value(preview["notes"].clone()).unwrap();
     assert!(
-        notes[0].text.contains("One point lies exactly on another") && notes[1].text.contains("only 3 points"),
+        notes[0].text.contains("One of the 3 points lies exactly on another")
+            && notes[1].text.contains("only 3 points"),
         "{notes:?}"
     );
 
