@@ -137,7 +137,7 @@ fn a_report_is_drawn() {
     assert!(svg.len() < 400_000, "{}", svg.len());
     // One pattern alone, several classes, an open border.
     let classes = "x,y,class\n0.1,0.2,oak\n0.5,0.4,elm\n0.8,0.9,oak\n0.3,0.7,elm\n0.6,0.1,oak\n";
-    says(&["-", "--svg", &report, "--json"], classes.as_bytes());
+    says(&["-", "--svg", &report, "--json", "--quiet"], classes.as_bytes());
     let svg = fs::read_to_string(&report).unwrap();
     assert!(svg.contains("<title>Point pattern: standard input</title>"));
     assert_eq!(svg.matches("data:image/png;base64,").count(), 2);

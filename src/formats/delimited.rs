@@ -53,7 +53,7 @@ pub(super) fn separator(text: &str) -> Option<u8> {
 fn is_decimal_commas(line: &str) -> bool {
     let (cells, _) = whitespace::cells(line);
     let is_number = |cell: &&str| number::parse(cell, Comma::Decimal).is_some();
-    cells.len() >= 2 && cells.iter().filter(|cell| cell.contains(',')).all(|cell| is_number(cell))
+    cells.len() >= 2 && cells.iter().filter(|cell| cell.contains(',')).all(is_number)
 }
 
 /// Reads delimited text, whose first line has this number.
