@@ -1,7 +1,5 @@
 //! What the names of columns say: the words of programs and surveys for places, classes and running numbers.
 
-use unicode_normalization::UnicodeNormalization as _;
-
 /// Names that hold a class, the likeliest first.
 const CLASSES: [&str; 13] = [
     "class",
@@ -108,7 +106,19 @@ const IDENTIFIERS: [&str; 25] = [
 
 /// The one spelling of a name that may be written in several Unicode forms.
 pub(super) fn normalized(name: &str) -> String {
-    if name.is_ascii() { name.to_owned() } else { name.nfc().collect() }
+    if name.is_ascii() { name.to_owned() } else { composed(name) }
+}
+
+/// Unicode's normalisation form C. A browser has it built in; natively a library brings its tables, which would be an eighth of
+/// what a page loads to read files.
+#[cfg(target_arch = "wasm32")]
+fn composed(name: &str) -> String {
+    js_sys::JsString::from(name).normalize("NFC").into()
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn composed(name: &str) -> String {
+    unicode_normalization::UnicodeNormalization::nfc(name).collect()
 }
 
 /// A name without its unit, and the unit: `x [µm]`, `Area (mm²)`, `Centroid X µm`, `height_m`.

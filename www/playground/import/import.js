@@ -264,12 +264,12 @@ export class Import {
   }
 
   /** @param {import('../../common/files.js').BlobsResponse} answer */
-  #found({ pattern, preview, threshold, ink }) {
+  #found({ pattern, preview, threshold, ink, local }) {
     const candidate = this.#candidate;
     if (!candidate) return;
     const boundary = candidate.options.boundary ?? pattern.boundary;
-    Object.assign(candidate, { pattern: { ...pattern, boundary }, preview: { ...preview, boundary }, found: { threshold, ink } });
-    this.#picture.show(threshold, (candidate.blobs.threshold ?? null) === null);
+    Object.assign(candidate, { pattern: { ...pattern, boundary }, preview: { ...preview, boundary }, found: local ? null : { threshold, ink } });
+    this.#picture.show(threshold, (candidate.blobs.threshold ?? null) === null, local);
     this.#showPreview();
   }
 

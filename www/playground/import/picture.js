@@ -45,10 +45,10 @@ export class Picture {
     this.#showAreas();
   }
 
-  /** @param {number} threshold that was used @param {boolean} isAutomatic */
-  show(threshold, isAutomatic) {
+  /** @param {number} threshold that was used @param {boolean} isAutomatic @param {boolean} isLocal by the ground around each dot */
+  show(threshold, isAutomatic, isLocal) {
     input('import-threshold').value = String(threshold);
-    element('import-threshold-value').textContent = String(threshold);
+    element('import-threshold-value').textContent = isLocal ? 'by the ground around' : String(threshold);
     element('import-otsu').setAttribute('aria-pressed', String(isAutomatic));
   }
 
@@ -82,7 +82,7 @@ function parts(colour) {
  *
  * @param {HTMLCanvasElement} canvas which it fills
  * @param {ImageBitmap} picture
- * @param {Found | null} found null: nothing is known of its dots
+ * @param {Found | null} found null: nothing is known of its dots, or no one threshold parts them
  * @param {{ accent: string, card: string }} colours
  */
 export function drawPicture(canvas, picture, found, colours) {
