@@ -378,6 +378,14 @@ pub(crate) fn mean_nearest_distance(points: &[DVec2], period: Option<DVec2>) -> 
     let along = sorting::order(across.iter().map(|&i| points[i][axis]));
     let order: Vec<usize> = along.into_iter().map(|rank| across[rank]).collect();
 
+    // Points in one place have one distance. Without this a walk would pass all of them before it comes to another place.
+    let same = |a: usize, b: usize| points[a] == points[b];
+    let first: Vec<usize> = {
+        let mut first: Vec<usize> = (0..points.len()).collect();
+        order.windows(2).filter(|pair| same(pair[0], pair[1])).for_each(|pair| first[pair[1]] = first[pair[0]]);
+        first
+    };
+    let order: Vec<usize> = order.into_iter().filter(|&i| first[i] == i).collect();
     let mut nearest = vec![f64::INFINITY; points.len()];
     for (rank, &i) in order.iter().enumerate() {
         // `gap` is how far the walk has come along the axis, around the torus where it wraps.
@@ -413,8 +421,9 @@ pub(crate) fn mean_nearest_distance(points: &[DVec2], period: Option<DVec2>) -> 
     }
 
     // Summed in the order of the points, so that the order of the walk can't change the last digit.
-    let (sum, count) = nearest
+    let (sum, count) = first
         .iter()
+        .map(|&i| nearest[i])
         .filter(|distance| distance.is_finite())
         .fold((0.0, 0_usize), |(sum, count), distance| (sum + distance.sqrt(), count + 1));
     (count > 0).then(|| sum / count as f64)
