@@ -1,13 +1,11 @@
 //! Comma, semicolon, tab and bar: reading by the `csv` crate, and our own CSV.
 
-use glam::DVec2;
-
 use super::column_names::{self, normalized};
 use super::declaration::{Declared, domain_line, number_text};
 use super::error::FormatError;
 use super::number::{self, Comma, is_missing};
 use super::table::{ATTRIBUTE_PREFIX, Row, RowPlace, Table};
-use super::{Origin, whitespace};
+use super::{Origin, Projection, whitespace};
 use crate::pattern::{Domain, PointPattern};
 
 /// How many lines of data are looked at to tell what parts the columns.
@@ -152,12 +150,10 @@ pub fn write_csv(pattern: &PointPattern) -> String {
 /// The same with the columns named as those of the exemplar's file were, units included.
 #[must_use]
 pub fn write_csv_like(pattern: &PointPattern, origin: &Origin) -> String {
-    // Degrees leave as degrees, and the domain with them.
-    let placed = |position: DVec2| origin.projection.map_or(position, |projection| projection.unproject(position));
-    let (min, max) = (pattern.domain().min(), pattern.domain().max());
-    let degrees = origin.projection.and_then(|_| Domain::new(placed(min), placed(max) - placed(min)).ok());
-    let mut text = domain_line(degrees.unwrap_or(pattern.domain()), pattern.boundary());
-    text.push('\n');
+    let mut text = match placed_domain(pattern, origin) {
+        Some(domain) => domain_line(domain, pattern.boundary()) + "\n",
+        None => String::new(),
+    };
     let names = pattern.class_names();
     let with_class = names != ["points"];
     if with_class && !order_shows(pattern) {
@@ -177,6 +173,18 @@ pub fn write_tsv(pattern: &PointPattern) -> String {
     text
 }
 
+/// The domain as it is written: in degrees where the exemplar's file was; none where it would be too long and narrow in degrees.
+fn placed_domain(pattern: &PointPattern, origin: &Origin) -> Option<Domain> {
+    let domain = pattern.domain();
+    let degrees = |projection: Projection| {
+        Domain::spanning(projection.unproject(domain.min()), projection.unproject(domain.max()))
+    };
+    match origin.projection {
+        Some(projection) => degrees(projection).ok(),
+        None => Some(domain),
+    }
+}
+
 fn push_table(text: &mut String, pattern: &PointPattern, with_class: bool, delimiter: char, origin: &Origin) {
     let names = pattern.class_names();
     let mut cells: Vec<String> = match &origin.axes {
@@ -191,9 +199,15 @@ fn push_table(text: &mut String, pattern: &PointPattern, with_class: bool, delim
         header => header.to_owned(),
     }));
     push_row(text, &cells, delimiter);
+    let domain = placed_domain(pattern, origin);
     for (i, position) in pattern.positions().iter().enumerate() {
         cells.clear();
-        let [x, y] = origin.projection.map_or(*position, |projection| projection.unproject(*position)).to_array();
+        // Rounding must leave no point outside of the domain.
+        let place = |projection: Projection| {
+            let degrees = projection.unproject(*position);
+            domain.map_or(degrees, |domain| degrees.clamp(domain.min(), domain.max()))
+        };
+        let [x, y] = origin.projection.map_or(*position, place).to_array();
         cells.extend([number_text(x), number_text(y)]);
         if with_class {
             cells.push(names[usize::from(pattern.classes()[i])].clone());
@@ -233,7 +247,7 @@ fn push_row(text: &mut String, cells: &[String], delimiter: char) {
         if i > 0 {
             text.push(delimiter);
         }
-        if cell.contains([',', '"', '#', '\n', '\r', ';', '\t', ' ']) {
+        if cell.contains([',', '"', '#', '\n', '\r', ';', '\t', ' ']) || cell.starts_with(['{', '[', '<']) {
             text.push('"');
             text.push_str(&cell.replace('"', "\"\""));
             text.push('"');
