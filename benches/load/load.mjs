@@ -7,6 +7,7 @@
  * milliseconds since the navigation began:
  * - `paint`, `contentfulPaint`: the browser's own entries
  * - `points`: the first frame with points of a result; `move`: the first frame in which one of them had moved
+ * - `csv`, when it is asked for: from choosing a table, at once after that, to its preview
  *
  * Bytes are those on the wire: headers as text and compressed bodies, everything until the line has been quiet for a
  * while after the first move, so what the service worker keeps is in it.
@@ -18,6 +19,26 @@ import { measureSlowdown, slowDown } from './slow.mjs';
 const PATIENCE_MS = 120_000;
 /** A line that is quiet for so long stays quiet. */
 const QUIET_MS = 1500;
+
+/** A table of 60 points. */
+const TABLE = `x,y,species\n${Array.from({ length: 60 }, (_, i) => `${(i * 37) % 100},${(i * 61) % 97},${i % 3 ? 'oak' : 'elm'}\n`).join('')}`;
+
+/** Chooses a table, and waits for its preview. @param {import('playwright-core').Page} page */
+async function openTable(page) {
+  const shown = page.evaluate(() => {
+    const started = performance.now();
+    return new Promise((resolve) => {
+      const look = () => {
+        const isShown = document.getElementById('import')?.dataset.stage === 'preview' && document.getElementById('import-points')?.textContent;
+        if (isShown) resolve(performance.now() - started);
+        else requestAnimationFrame(look);
+      };
+      look();
+    });
+  });
+  await page.setInputFiles('#file', { name: 'trees.csv', mimeType: 'text/csv', buffer: Buffer.from(TABLE) });
+  return /** @type {Promise<number>} */ (shown);
+}
 
 /** Runs in the page, before its own scripts. */
 function watch() {
@@ -42,9 +63,10 @@ function watch() {
 
 /**
  * @param {string} folder
- * @param {{ megabits: number, roundTripMs: number, slowdown: number, encoding: import('./line.mjs').Encoding, calibrate: boolean }} options
+ * @param {{ megabits: number, roundTripMs: number, slowdown: number, encoding: import('./line.mjs').Encoding, calibrate: boolean,
+ *   csv: boolean }} options
  */
-async function load(folder, { megabits, roundTripMs, slowdown, encoding, calibrate }) {
+async function load(folder, { megabits, roundTripMs, slowdown, encoding, calibrate, csv }) {
   const server = await serveSlowly(folder, { bitsPerSecond: megabits * 1e6, roundTripMs, encoding });
   const { context, close } = await openChromium({
     serviceWorkers: 'allow',
@@ -56,12 +78,15 @@ async function load(folder, { megabits, roundTripMs, slowdown, encoding, calibra
     const slowed = calibrate ? await measureSlowdown(page, () => slowDown(context, slowdown)) : null;
     await page.addInitScript(watch);
     const slow = await slowDown(context, slowdown);
+    /** @type {number | null} */
+    let opened = null;
     try {
       await page.goto(server.url, { waitUntil: 'commit', timeout: PATIENCE_MS });
       await page.waitForFunction(() => /** @type {any} */ (window).pointweaveLoad.move !== null, null, {
         polling: 200,
         timeout: PATIENCE_MS,
       });
+      if (csv) opened = await openTable(page);
     } finally {
       await slow.stop();
     }
@@ -77,6 +102,7 @@ async function load(folder, { megabits, roundTripMs, slowdown, encoding, calibra
     const early = server.transfers.filter(({ arrived }) => arrived !== null && arrived <= moment);
     return {
       ...times,
+      csv: opened,
       slowed,
       bytes: sum(server.transfers),
       bytesUntilMove: sum(early),

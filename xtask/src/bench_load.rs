@@ -41,6 +41,9 @@ pub(crate) struct LoadArguments {
     /// How the host compresses.
     #[arg(long, value_enum, default_value_t = Encoding::Gzip)]
     encoding: Encoding,
+    /// Open a table as soon as a point has moved, and measure from choosing it to its preview.
+    #[arg(long)]
+    csv: bool,
     /// Show when each file was asked for and when it had arrived.
     #[arg(long)]
     files: bool,
@@ -76,6 +79,8 @@ struct Load {
     points: f64,
     #[serde(rename = "move")]
     first_move: f64,
+    /// From choosing a table to its preview.
+    csv: Option<f64>,
     bytes: f64,
     bytes_until_move: f64,
     requests: f64,
@@ -103,11 +108,12 @@ struct File {
 /// What is printed of a load: a name, a value and a unit.
 type Figure = (&'static str, fn(&Load) -> f64, &'static str);
 
-const FIGURES: [Figure; 7] = [
+const FIGURES: [Figure; 8] = [
     ("first paint", |load| load.paint, "ms"),
     ("first contentful paint", |load| load.contentful_paint, "ms"),
     ("first points", |load| load.points, "ms"),
     ("first moving point", |load| load.first_move, "ms"),
+    ("from a table to its preview", |load| load.csv.unwrap_or(f64::NAN), "ms"),
     ("on the wire until then", |load| load.bytes_until_move / 1000.0, "kB"),
     ("on the wire in all", |load| load.bytes / 1000.0, "kB"),
     ("requests", |load| load.requests, ""),
@@ -140,6 +146,7 @@ pub(crate) fn run(arguments: &LoadArguments) -> Result<()> {
                 "roundTripMs": round_trip,
                 "slowdown": slowdown,
                 "encoding": coding,
+                "csv": arguments.csv,
                 // Once is enough, and it takes a second.
                 "calibrate": round == 1 && number == 0 && *slowdown > 1.0,
             });
@@ -178,8 +185,11 @@ fn middle(loads: &[Load], value: impl Fn(&Load) -> f64) -> f64 {
 /// A line a figure, a column a page with the median and the least value (other programs only make it slower), and the ratio
 /// of two pages' medians.
 fn table(pages: &[&[Load]]) -> String {
-    let mut text = format!("{:<24}{}\n", "", "   median    least   ".repeat(pages.len()));
-    for (name, value, unit) in FIGURES {
+    let mut text = format!("{:<28}{}\n", "", "   median    least   ".repeat(pages.len()));
+    // What was not asked for has no row.
+    for (name, value, unit) in
+        FIGURES.into_iter().filter(|(_, value, _)| pages.iter().all(|loads| !middle(loads, value).is_nan()))
+    {
         let values: Vec<f64> = pages.iter().map(|loads| middle(loads, value)).collect();
         let least = |loads: &[Load]| loads.iter().map(value).fold(f64::INFINITY, f64::min);
         let columns: String = pages
@@ -191,7 +201,7 @@ fn table(pages: &[&[Load]]) -> String {
             [first, second] => format!("   ratio {:.2}", first / second),
             _ => String::new(),
         };
-        text.push_str(&format!("{name:<24}{columns}{ratio}\n"));
+        text.push_str(&format!("{name:<28}{columns}{ratio}\n"));
     }
     text
 }
@@ -229,7 +239,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test may fail loudly")]
     use super::*;
 
-    const REPORT: &str = r#"{"timeOrigin": 1, "paint": 500, "contentfulPaint": 510.5, "points": 1700, "move": 2000, "slowed": null,
+    const REPORT: &str = r#"{"timeOrigin": 1, "paint": 500, "contentfulPaint": 510.5, "points": 1700, "move": 2000, "csv": null, "slowed": null,
         "bytes": 1000000, "bytesUntilMove": 600000, "requests": 3, "files": [
         {"path": "b.js", "status": 200, "bytes": 20, "asked": 30, "arrived": 90.2},
         {"path": "a.js", "status": 200, "bytes": 10, "asked": 40, "arrived": null},
