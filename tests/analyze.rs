@@ -194,3 +194,47 @@ fn what_can_not_be_analysed_is_refused() {
         assert!(help.contains(part), "{help}\nwithout {part}");
     }
 }
+
+/// Independent points in a round field of view are not called clustered: as it shows, as a file says, and as an outline says.
+#[test]
+fn windows_that_are_no_rectangles() {
+    let folder = Folder::new("windows");
+    // A quarter of the way round the golden angle and a fixed shuffle of radii: uniform in the disk, and no lattice.
+    let mut state = 7_u64;
+    let mut chance = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 31)
+    };
+    let mut rows = String::from("x,y\n");
+    for _ in 0..200 {
+        let (radius, angle) = (100.0 * chance().sqrt(), std::f64::consts::TAU * chance());
+        rows += &format!("{},{}\n", 300.0 + radius * angle.cos(), 300.0 + radius * angle.sin());
+    }
+    let table = folder.file("cells.csv", &rows);
+    let corner = |i: i32| {
+        let angle = std::f64::consts::TAU * f64::from(i % 64) / 64.0;
+        format!("[{}, {}]", 300.0 + 101.0 * angle.cos(), 300.0 + 101.0 * angle.sin())
+    };
+    let ring: Vec<String> = (0..=64).map(corner).collect();
+    let polygon = format!("{{\"type\": \"Polygon\", \"coordinates\": [[{}]]}}", ring.join(", "));
+    let outline = folder.file("outline.geojson", &polygon);
+    let index = |words: &str| -> f64 {
+        let line = words.lines().find(|line| line.starts_with("Clark–Evans")).unwrap();
+        line.split_whitespace().last().unwrap().parse().unwrap()
+    };
+    let shown = says(&[&table], b"");
+    assert!(shown.contains("fill a round or otherwise convex part") && !shown.contains("gather in groups"), "{shown}");
+    let told = says(&[&table, "--window", &outline], b"");
+    assert!(!told.contains("gather in groups") && (0.9..1.15).contains(&index(&told)), "{told}");
+    // In the whole rectangle they do seem to gather: what the window is for.
+    let square = folder.file("square.csv", "x,y\n150,150\n450,150\n450,450\n150,450\n");
+    let whole = says(&[&table, "--window", &square], b"");
+    assert!(index(&whole) < 0.75, "{whole}");
+    // Points outside are said.
+    let half = folder.file("half.csv", "x,y\n300,150\n450,150\n450,450\n300,450\n");
+    let output = run(&[&table, "--window", &half], b"");
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && words.contains("lie outside of the window and were left out"), "{words}");
+    refused(&[&table, "--window", &folder.path("none.geojson")], b"", 1, &["none.geojson"]);
+    refused(&[&table, "--window", &folder.file("line.csv", "1,2\n3,4\n")], b"", 1, &["line.csv", "at least 3"]);
+}

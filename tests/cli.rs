@@ -4,6 +4,8 @@
 
 #[path = "common/program.rs"]
 mod program;
+#[path = "common/zip.rs"]
+mod zip;
 
 use std::fs;
 use std::path::Path;
@@ -253,6 +255,21 @@ fn arrays_and_drawings_go_in_and_arrays_come_out() {
     let result = fs::read(&array).unwrap();
     assert!(result.starts_with(b"\x93NUMPY"));
     assert_eq!(pattern(&result).positions(), pattern(&synth(&[&csv], b"")).positions());
+    let result_len = pattern(&result).len();
+    // An archive of x and y is an exemplar too.
+    let columns: [Vec<f64>; 2] = {
+        let source = pattern(exemplar().as_bytes());
+        [0, 1].map(|axis| source.positions().iter().map(|point| point[axis]).collect())
+    };
+    let entries = columns.map(|values| {
+        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({},), }}\n", values.len());
+        let numbers: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        [&b"\x93NUMPY\x01\x00"[..], &(header.len() as u16).to_le_bytes(), header.as_bytes(), &numbers].concat()
+    });
+    let archive = folder.path("in.npz");
+    fs::write(&archive, zip::zip(&[("x.npy", &entries[0]), ("y.npy", &entries[1])], zip::Packed::Deflated)).unwrap();
+    synth(&[&archive, "--boundary", "open", "-o", &array], b"");
+    assert_eq!(pattern(&fs::read(&array).unwrap()).len(), result_len);
     // A drawing of the exemplar is an exemplar, in its own unit.
     let name = gallery::entries()[0].name;
     for file in ["in.svg", "in.npy"] {
