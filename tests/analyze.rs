@@ -234,7 +234,10 @@ fn windows_that_are_no_rectangles() {
     let half = folder.file("half.csv", "x,y\n300,150\n450,150\n450,450\n300,450\n");
     let output = run(&[&table, "--window", &half], b"");
     let words = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && words.contains("lie outside of the window and were left out"), "{words}");
+    assert!(
+        output.status.success() && words.contains("points lie outside of the window and had to be left out"),
+        "{words}"
+    );
     refused(&[&table, "--window", &folder.path("none.geojson")], b"", 1, &["none.geojson"]);
     refused(&[&table, "--window", &folder.file("line.csv", "1,2\n3,4\n")], b"", 1, &["line.csv", "at least 3"]);
 }

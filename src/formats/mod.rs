@@ -36,6 +36,7 @@
 //! # classes: oak,"silver birch"       the order of the classes, quoted as in CSV
 //! ```
 
+mod areas;
 mod column_names;
 mod columns;
 mod declaration;

@@ -255,7 +255,7 @@ pub(super) fn empty_band(positions: &[DVec2], domain: Domain) -> Option<EmptyBan
     let low = positions.iter().copied().fold(DVec2::INFINITY, DVec2::min);
     let high = positions.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
     let (before, after) = (low - domain.min(), domain.max() - high);
-    let margins = [(before.x, 0, "left"), (after.x, 0, "right"), (before.y, 1, "lower"), (after.y, 1, "upper")];
+    let margins = [(before.x, 0, "left"), (after.x, 0, "right"), (before.y, 1, "low-y"), (after.y, 1, "high-y")];
     let (width, axis, side) =
         margins.into_iter().fold((0.0, 0, ""), |widest, one| if one.0 > widest.0 { one } else { widest });
     let places = Places::of(positions).distinct;

@@ -5,6 +5,7 @@
 use csv::StringRecord;
 use glam::DVec2;
 
+use super::areas;
 use super::columns::Choice;
 use super::declaration::Declared;
 use super::error::{FormatError, Place, clip};
@@ -15,8 +16,7 @@ use super::number::{self, Comma, is_missing};
 use super::origin::Projection;
 use super::{FileFormat, Note, ReadOptions, Reading, column_names};
 use crate::pattern::{
-    Attribute, Boundary, Domain, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PatternError, PointPattern, Window,
-    check_name,
+    Attribute, Boundary, MAX_CLASSES, MAX_NAME_LENGTH, MAX_POINTS, PatternError, PointPattern, check_name,
 };
 
 /// Most columns of a table, skipped ones included.
@@ -27,8 +27,6 @@ const MAX_LEADING_ROWS: usize = 32;
 pub(super) const ATTRIBUTE_PREFIX: &str = "attribute:";
 /// The class of points whose class is not told.
 const UNKNOWN_CLASS: &str = "unknown";
-/// Of so many points one may lie outside the window.
-const OUTSIDE: usize = 20;
 /// The class of those that are beyond the cap.
 const OTHER_CLASS: &str = "other";
 
@@ -271,8 +269,8 @@ impl Table {
             self.rings.iter_mut().flatten().flatten().for_each(project);
             origin.projection = Some(projection);
         }
-        let window = self.window(&positions);
-        let outline = window.as_ref().and_then(|window| bounding_domain(window.rings(), &positions));
+        let window = areas::window(std::mem::take(&mut self.rings), &positions, &mut self.notes);
+        let outline = window.as_ref().and_then(|window| areas::around(window, &positions));
         let declared = options.domain.or(declared).or(outline);
         let guess = match declared {
             Some(domain) => Guess { domain, choices: Vec::new(), notes: Vec::new() },
@@ -307,8 +305,7 @@ impl Table {
         reading.domains = guess.choices;
         reading.columns = columns;
         // An outline that is the whole rectangle says no more than that.
-        reading.window =
-            window.filter(|window| !is_rectangle(window.rings()) || bounding_domain(window.rings(), &[]) != outline);
+        reading.window = window.filter(|window| !areas::is_rectangle(window) || areas::around(window, &[]) != outline);
         if header.is_some() {
             reading.origin = origin;
         }
@@ -451,60 +448,6 @@ impl Table {
         Ok(())
     }
 
-    /// The outline in the file that is around the points: of several the smallest one, else all of them together.
-    fn window(&mut self, positions: &[DVec2]) -> Option<Window> {
-        let areas = std::mem::take(&mut self.rings);
-        let count = areas.len();
-        let together = (count > 1).then(|| areas.concat());
-        let mut best: Option<(bool, f64, usize, Vec<Vec<DVec2>>)> = None;
-        let mut fewest = positions.len();
-        for (at, rings) in areas.into_iter().chain(together).enumerate() {
-            let Some(around) = bounding_domain(&rings, &[]) else { continue };
-            let outside = outside(&rings, around, positions);
-            fewest = fewest.min(outside);
-            let (is_all, size) = (at == count, around.size().x * around.size().y);
-            let is_better = best.as_ref().is_none_or(|(_, smallest, ..)| !is_all && size < *smallest);
-            // Places are measured, and outlines are drawn roughly.
-            if OUTSIDE * outside <= positions.len() && is_better {
-                best = Some((is_all, size, outside, rings));
-            }
-        }
-        let left_out = |count: usize, other: &str, why: &str| {
-            let outlines = counted(
-                count,
-                &format!("One{other} outline of an area was"),
-                &format!("{other} outlines of areas were"),
-            );
-            Note::left_out(format!("{} left out{why}.", outlines.replace("  ", " ")))
-        };
-        let points = |outside: usize| counted(outside, "one point lies", "points lie");
-        let Some((is_all, _, outside, rings)) = best else {
-            if count > 0 {
-                self.notes.push(left_out(count, "", &format!(": {} outside", points(fewest))));
-            }
-            return None;
-        };
-        if !is_all && count > 1 {
-            self.notes.push(left_out(count - 1, " other", ", as a pattern has points only"));
-        }
-        match Window::new(rings) {
-            Ok(window) => {
-                let outlines =
-                    if is_all { format!("{count} outlines of areas") } else { "The outline of an area".to_owned() };
-                let are = if is_all { "are" } else { "is" };
-                let but = if outside > 0 { format!("; {} outside", points(outside)) } else { String::new() };
-                self.notes.push(Note::changed(format!(
-                    "{outlines} in the file {are} the window of the points: the rectangle around it is the domain{but}."
-                )));
-                Some(window)
-            }
-            Err(error) => {
-                self.notes.push(Note::left_out(format!("The outline of an area in the file was left out: {error}.")));
-                None
-            }
-        }
-    }
-
     /// The projection of degrees, where these are degrees of one place on a plane, and are not to be kept.
     fn projection(&mut self, positions: &[DVec2], options: &ReadOptions) -> Option<Projection> {
         let (projection, note) = Projection::decide(positions, options.keeps_degrees);
@@ -588,63 +531,6 @@ impl Table {
         let names = kept.into_iter().map(name).chain([OTHER_CLASS.to_owned()]).collect();
         Gathered { names, of }
     }
-}
-
-/// How many points lie outside of an area with this rectangle around it. A point on the line counts as inside.
-fn outside(rings: &[Vec<DVec2>], around: Domain, positions: &[DVec2]) -> usize {
-    let near = 1e-9 * around.exemplar_unit();
-    let (low, high) = (around.min() - near, around.max() + near);
-    let is_inside = |point: &DVec2| {
-        point.cmpge(low).all()
-            && point.cmple(high).all()
-            && (rings.iter().map(|ring| crossings(ring, *point)).sum::<usize>() % 2 == 1
-                || rings.iter().any(|ring| distance(ring, *point) <= near))
-    };
-    positions.iter().filter(|point| !is_inside(point)).count()
-}
-
-/// How often a line from a place to the right crosses a closed one.
-fn crossings(ring: &[DVec2], at: DVec2) -> usize {
-    let mut before = ring.last().copied().unwrap_or_default();
-    let mut count = 0;
-    for &corner in ring {
-        if (before.y > at.y) != (corner.y > at.y) {
-            let x = before.x + (at.y - before.y) / (corner.y - before.y) * (corner.x - before.x);
-            count += usize::from(at.x < x);
-        }
-        before = corner;
-    }
-    count
-}
-
-/// From a place to the nearest one of a closed line.
-fn distance(ring: &[DVec2], at: DVec2) -> f64 {
-    let mut before = ring.last().copied().unwrap_or_default();
-    let mut least = f64::INFINITY;
-    for &corner in ring {
-        let (side, offset) = (corner - before, at - before);
-        let share = (offset.dot(side) / side.length_squared()).clamp(0.0, 1.0);
-        least = least.min((offset - side * if share.is_finite() { share } else { 0.0 }).length());
-        before = corner;
-    }
-    least
-}
-
-/// The rectangle around closed lines and points.
-fn bounding_domain(rings: &[Vec<DVec2>], points: &[DVec2]) -> Option<Domain> {
-    let corners = || rings.iter().flatten().chain(points).copied();
-    let low = corners().fold(DVec2::INFINITY, DVec2::min);
-    let high = corners().fold(DVec2::NEG_INFINITY, DVec2::max);
-    Domain::spanning(low, high).ok()
-}
-
-/// Whether closed lines are one rectangle along the axes.
-fn is_rectangle(rings: &[Vec<DVec2>]) -> bool {
-    let [ring] = rings else { return false };
-    let Some(domain) = bounding_domain(rings, &[]) else { return false };
-    let (low, high) = (domain.min(), domain.max());
-    let is_corner = |point: &DVec2| (point.x == low.x || point.x == high.x) && (point.y == low.y || point.y == high.y);
-    ring.len() == 4 && ring.iter().all(is_corner)
 }
 
 /// Classes within the cap.

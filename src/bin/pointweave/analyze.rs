@@ -104,14 +104,22 @@ pub(crate) fn run(arguments: &AnalyzeArguments) -> Result<(), Failure> {
     let reading = &arguments.reading;
     let opened = reading.open(&arguments.pattern, arguments.domain, boundary, arguments.quiet)?;
     let name = title(&arguments.pattern);
-    let (pattern, window) = match &arguments.window {
-        Some(path) => {
-            let (pattern, window, left_out) = cut(&opened, path)?;
-            reading.tell(&files::input_name(&arguments.pattern), &left_out, arguments.quiet)?;
+    // An outline that the person gives, else one that the file itself holds.
+    let outline = match &arguments.window {
+        Some(path) => Some(outline(&opened, path)?),
+        None => opened.window.clone(),
+    };
+    let (pattern, window) = match outline {
+        Some(window) => {
+            let refused = |error| Failure::Run(format!("{name} can't be cut to its window: {error}"));
+            let (pattern, outside) = opened.pattern.cut(&window).map_err(refused)?;
+            let points = if outside == 1 { "One point lies".to_owned() } else { format!("{outside} points lie") };
+            let note = Note::left_out(format!("{points} outside of the window and had to be left out."));
+            let notes = if outside > 0 { vec![note] } else { Vec::new() };
+            reading.tell(&files::input_name(&arguments.pattern), &notes, arguments.quiet)?;
             (pattern, Some(window))
         }
-        // One that the file itself holds.
-        None => (opened.pattern, opened.window),
+        None => (opened.pattern, None),
     };
     match &arguments.output {
         None => {
@@ -144,19 +152,16 @@ pub(crate) fn run(arguments: &AnalyzeArguments) -> Result<(), Failure> {
     }
 }
 
-/// What of a pattern lies within the window that a file tells, and the window.
-fn cut(opened: &Opened, path: &Path) -> Result<(PointPattern, Window, Vec<Note>), Failure> {
+/// The window that a file tells, as far as it lies in the domain that was declared.
+fn outline(opened: &Opened, path: &Path) -> Result<Window, Failure> {
     let refused =
         |error: &dyn std::fmt::Display| Failure::Run(format!("the window '{}' can't be used: {error}", path.display()));
     let bytes = files::read_bytes(path, formats::MAX_BYTES as u64 + 1)?;
-    let mut window = formats::read_window(&bytes, &opened.origin).map_err(|error| refused(&error))?;
-    if let Some(domain) = opened.declared {
-        window = window.clipped(domain).map_err(|error| refused(&error))?;
+    let window = formats::read_window(&bytes, &opened.origin).map_err(|error| refused(&error))?;
+    match opened.declared {
+        Some(domain) => window.clipped(domain).map_err(|error| refused(&error)),
+        None => Ok(window),
     }
-    let (pattern, outside) = opened.pattern.cut(&window).map_err(|error| refused(&error))?;
-    let note = || Note::left_out(format!("{outside} points lie outside of the window and were left out."));
-    let notes = if outside > 0 { vec![note()] } else { Vec::new() };
-    Ok((pattern, window, notes))
 }
 
 fn report(
