@@ -212,6 +212,14 @@ fn two_rows_of_names_and_titles_and_units() {
     assert_eq!(reading.origin.unit.as_deref(), Some("mm"));
     noted(&reading, NoteKind::LeftOut, &["line 1"]);
 
+    // TrackMate: names, names for people, short names, units.
+    let below = "X;Y;Height\nX;Y;h\n(µm);(µm);(m)";
+    let reading = opened(format!("POSITION_X;POSITION_Y;HEIGHT\n{below}\n{body}"));
+    is_whole(&reading, &["HEIGHT"], 1);
+    assert_eq!(reading.origin.unit.as_deref(), Some("µm"));
+    noted(&reading, NoteKind::LeftOut, &["line 2", "second header", "X, Y, Height"]);
+    noted(&reading, NoteKind::LeftOut, &["line 3", "X, Y, h"]);
+
     let reading = opened(format!("x;y;height\nfirst;second;third\n{body}"));
     is_whole(&reading, &["height"], 1);
     noted(&reading, NoteKind::LeftOut, &["line 2", "second header", "first, second, third"]);

@@ -270,7 +270,7 @@ pub(super) fn place_columns<T: AsRef<str>>(names: &[T]) -> Option<([usize; 2], S
         if let Some(place) = place_name(name.as_ref()) {
             places.push((column, place));
         } else if let [axis, number] = &words(name.as_ref())[..]
-            && matches!(axis.as_str(), "axis" | "dim")
+            && is_array_axis(axis)
             && let Ok(number) = number.parse()
         {
             axes.push((number, column));
@@ -292,6 +292,11 @@ pub(super) fn place_columns<T: AsRef<str>>(names: &[T]) -> Option<([usize; 2], S
         }
     }
     best
+}
+
+/// What stands before the number of an array's axis: napari's and numpy's axes, scikit-image's centroids.
+fn is_array_axis(word: &str) -> bool {
+    matches!(word, "axis" | "dim" | "centroid")
 }
 
 /// Whether a column of this name holds places as `POINT (1 2)`.
@@ -318,7 +323,7 @@ pub(super) fn is_identifier(name: &str) -> bool {
 /// Whether a column of this name would be taken for something else than an attribute of this very name.
 pub(super) fn is_telling(name: &str) -> bool {
     place_name(name).is_some()
-        || matches!(words(name).first().map(String::as_str), Some("axis" | "dim"))
+        || words(name).first().is_some_and(|word| is_array_axis(word))
         || is_geometry(name)
         || class_rank(name).is_some()
         || is_identifier(name)
@@ -355,6 +360,7 @@ mod tests {
             (&["decimalLatitude", "decimalLongitude"], Some([1, 0])),
             (&["index", "axis-0", "axis-1"], Some([2, 1])),
             (&["axis-0", "axis-1", "axis-2"], Some([2, 1])),
+            (&["label", "centroid-0", "centroid-1"], Some([2, 1])),
             (&["row", "column"], Some([1, 0])),
             (&["nucleus_x", "nucleus_y"], Some([0, 1])),
             (&["x_um", "y_um"], Some([0, 1])),

@@ -10,6 +10,8 @@ use super::{FormatError, Note, ReadOptions};
 
 /// How many rows may stand before the header.
 const MAX_TITLES: usize = 20;
+/// How many rows of names and units may stand below it: TrackMate writes three.
+const MAX_ROWS_BELOW: usize = 4;
 
 /// The names of the columns.
 #[derive(Clone, Debug)]
@@ -253,26 +255,33 @@ impl Table {
         }
     }
 
-    /// A row of units, or of more names, below the header.
+    /// Rows of units, or of more names, below the header.
     fn take_units(&mut self, header: &mut Header) {
-        let [first, second, ..] = self.rows.as_slice() else { return };
         let Some(([x, y], _)) = column_names::place_columns(&header.trimmed()) else { return };
         let is_number = |row: &Row, column: usize| self.parse(row.cell(column)).is_some();
-        let is_below = [x, y].iter().all(|&column| !is_number(first, column) && is_number(second, column));
-        let no_numbers = (0..first.width()).all(|column| !is_number(first, column));
-        let is_blank = [x, y].iter().all(|&column| is_missing(first.cell(column)));
-        if !is_below || !no_numbers || is_blank {
+        // Where both are missing the row is one without a place.
+        let is_below = |row: &&Row| {
+            (0..row.width()).all(|column| !is_number(row, column))
+                && ![x, y].iter().all(|&column| is_missing(row.cell(column)))
+        };
+        let count = self.rows.iter().take(MAX_ROWS_BELOW).take_while(is_below).count();
+        // Points have to follow.
+        let follows = self.rows.get(count).is_some_and(|row| [x, y].iter().all(|&column| is_number(row, column)));
+        if count == 0 || !follows {
             return;
         }
-        let cells: Vec<String> = (0..header.names.len()).map(|column| first.cell(column).to_owned()).collect();
-        if [x, y].iter().all(|&column| column_names::is_unit(&cells[column]) || cells[column].starts_with(['[', '('])) {
-            header.units = cells.iter().map(|cell| cell.trim_matches(['[', ']', '(', ')']).to_owned()).collect();
-        } else {
-            let (line, words) = (first.place.name(), clip(&cells.join(", ")));
-            self.notes
-                .push(Note::left_out(format!("The row {line} was taken for a second header and left out: {words}.")));
+        for row in self.rows.drain(..count) {
+            let cells: Vec<String> = (0..header.names.len()).map(|column| row.cell(column).to_owned()).collect();
+            let is_unit =
+                |column: usize| column_names::is_unit(&cells[column]) || cells[column].starts_with(['[', '(']);
+            if [x, y].into_iter().all(is_unit) {
+                header.units = cells.iter().map(|cell| cell.trim_matches(['[', ']', '(', ')']).to_owned()).collect();
+            } else {
+                let (line, words) = (row.place.name(), clip(&cells.join(", ")));
+                let text = format!("The row {line} was taken for a second header and left out: {words}.");
+                self.notes.push(Note::left_out(text));
+            }
         }
-        self.rows.remove(0);
     }
 }
 
