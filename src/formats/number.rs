@@ -31,7 +31,8 @@ pub(super) enum Comma {
     Thousands,
 }
 
-/// A finite number, or none. Minus may be U+2212, as typesetting programs write it, and an exponent Fortran's.
+/// A finite number, or none. Minus may be U+2212, as typesetting programs write it, an exponent Fortran's, and thousands may be parted
+/// by blanks or apostrophes.
 pub(super) fn parse(cell: &str, comma: Comma) -> Option<f64> {
     let cell = cell.trim();
     // Rust reads the words for infinity and NaN as numbers.
@@ -52,6 +53,8 @@ pub(super) fn parse(cell: &str, comma: Comma) -> Option<f64> {
                 let plain = cell.replace(['\u{2212}', '\u{fe63}', '\u{ff0d}'], "-");
                 // Fortran's exponents of doubles.
                 let plain = plain.replace("D+", "e+").replace("D-", "e-");
+                let plain =
+                    without_groups(plain.strip_prefix('\'').and_then(|rest| rest.strip_suffix('\'')).unwrap_or(&plain));
                 if plain == cell {
                     return None;
                 }
@@ -60,6 +63,19 @@ pub(super) fn parse(cell: &str, comma: Comma) -> Option<f64> {
         },
     };
     number.is_finite().then_some(number)
+}
+
+/// Signs between thousands that part nothing else: blanks of several widths, and apostrophes.
+const GROUP_SIGNS: [char; 6] = [' ', '\u{a0}', '\u{2009}', '\u{202f}', '\'', '’'];
+
+/// `1 234,5` without the blank; anything else as it is.
+fn without_groups(cell: &str) -> String {
+    let (whole, rest) = cell.split_at(cell.find(['.', ',', 'e', 'E']).unwrap_or(cell.len()));
+    let sign = GROUP_SIGNS.into_iter().find(|&sign| whole.contains(sign));
+    match sign {
+        Some(sign) if is_grouped(&whole.replace(sign, ",")) => whole.replace(sign, "") + rest,
+        _ => cell.to_owned(),
+    }
 }
 
 /// Whether commas stand before groups of three digits, and nowhere behind a decimal point.
@@ -87,6 +103,12 @@ mod tests {
             ("\u{2212}43.14", Comma::None, Some(-43.14)),
             ("1e\u{2212}3", Comma::None, Some(0.001)),
             ("0.25D+02", Comma::None, Some(25.0)),
+            ("'5.47'", Comma::None, Some(5.47)),
+            ("1 234.5", Comma::None, Some(1234.5)),
+            ("1\u{a0}234\u{a0}567,5", Comma::Decimal, Some(1_234_567.5)),
+            ("-1'234", Comma::None, Some(-1234.0)),
+            ("1 23", Comma::None, None),
+            ("12 345 6", Comma::None, None),
             ("0,5", Comma::Decimal, Some(0.5)),
             ("\u{2212}0,5", Comma::Decimal, Some(-0.5)),
             ("0,5", Comma::None, None),
