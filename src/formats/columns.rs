@@ -117,7 +117,7 @@ impl Choice {
     }
 
     /// By the choice of a person, else by the names, else by what the cells are.
-    pub(super) fn of(table: &mut Table, header: Option<&Header>, options: &ReadOptions) -> Result<Self, FormatError> {
+    pub(super) fn of(table: &Table, header: Option<&Header>, options: &ReadOptions) -> Result<Self, FormatError> {
         let width = match header {
             Some(header) => header.names.len(),
             None => {

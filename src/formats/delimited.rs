@@ -86,12 +86,11 @@ pub(super) fn read(text: &str, delimiter: u8, first_line: usize) -> Result<Table
 /// What a comma in a number is. Where commas part the columns it stands within quotes, and only what leaves no doubt is
 /// taken for a decimal point: `6,86` is one, `1,234` may part thousands.
 fn comma(table: &Table, delimiter: u8) -> Comma {
-    let (mut decimal, mut thousands, mut either) = (false, false, false);
+    let (mut decimal, mut thousands) = (false, false);
     for cell in table.rows.iter().flat_map(|row| row.cells.iter()).filter(|cell| cell.contains(',')) {
         let cell = cell.trim();
         let grouped = number::is_grouped(cell);
         let is_decimal = number::parse(cell, Comma::Decimal).is_some();
-        either |= grouped && is_decimal;
         decimal |= is_decimal && !grouped;
         thousands |= grouped && !is_decimal && number::parse(cell, Comma::Thousands).is_some();
     }
@@ -100,7 +99,6 @@ fn comma(table: &Table, delimiter: u8) -> Comma {
         (false, true) => Comma::Thousands,
         // Where commas part no columns, a comma was always a decimal point.
         _ if delimiter != b',' => Comma::Decimal,
-        (false, false) if !either => Comma::None,
         _ => Comma::None,
     }
 }

@@ -304,11 +304,7 @@ fn declared(own: &Map<String, Value>) -> Declared {
         Err(_) => Domain::deserialize(value).ok(),
     });
     let mut declared = Declared { domain, ..Declared::default() };
-    declared.boundary = match own.get("boundary").and_then(Value::as_str) {
-        Some("periodic") => Some(Boundary::Periodic),
-        Some("open") => Some(Boundary::Open),
-        _ => None,
-    };
+    declared.boundary = own.get("boundary").and_then(|value| Boundary::deserialize(value).ok());
     let names = own.get("classes").and_then(Value::as_array);
     declared.classes = names.into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect();
     if !are_names(declared.classes.iter(), MAX_CLASSES) {

@@ -22,13 +22,18 @@ const UNIT_SQUARE: &str = "unit square";
 const BOX: &str = "the points' box";
 
 impl Guess {
+    /// Nothing was to be guessed.
+    pub(super) fn told(domain: Domain) -> Self {
+        Self { domain, choices: Vec::new(), notes: Vec::new() }
+    }
+
     /// The unit square when all points lie in it and fill it; else the points' box, see [`box_of`]. They fill it when no
     /// strip along a side is empty that is wider than every hole between the points; see [`empty_band`].
     pub(super) fn of(positions: &[DVec2]) -> Result<Self, FormatError> {
         if !positions.iter().all(|&point| Domain::UNIT.contains(point)) {
-            return Ok(Self { domain: box_of(positions)?, choices: Vec::new(), notes: Vec::new() });
+            return box_of(positions).map(Self::told);
         }
-        let unit = Self { domain: Domain::UNIT, choices: Vec::new(), notes: Vec::new() };
+        let unit = Self::told(Domain::UNIT);
         // Points on a line or in one place have no box, but may lie in the unit square.
         let Ok(domain) = box_of(positions) else { return Ok(unit) };
         let Some(band) = empty_band(positions, Domain::UNIT) else {
@@ -70,15 +75,8 @@ fn box_of(positions: &[DVec2]) -> Result<Domain, FormatError> {
         return refuse("they have no mean distance");
     };
     let spacing = spacing * longest;
-    let min = low - spacing / 2.0;
-    let mut size = extent + spacing;
-    // Rounding must not leave the outermost points outside: a digit or two of the coordinates is enough.
-    let digit = low.abs().max(high.abs()) * f64::EPSILON;
-    for _ in 0..4 {
-        let short = high.cmpgt(min + size);
-        size += DVec2::select(short, digit, DVec2::ZERO);
-    }
-    Domain::new(min, size).map_err(|error| {
+    let size = extent + spacing;
+    Domain::holding(low - spacing / 2.0, size, [low, high]).map_err(|error| {
         let thin = size.min_element() * Domain::MAX_ASPECT < size.max_element();
         let cause = if thin { "they lie on a line, or nearly: " } else { "" };
         FormatError::NoDomain { reason: format!("{cause}{error}") }

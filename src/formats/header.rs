@@ -6,7 +6,7 @@ use super::note::counted;
 use super::number::{self, is_missing};
 use super::table::{Comment, Row, RowPlace, Table};
 use super::whitespace;
-use super::{FormatError, Note, ReadOptions};
+use super::{Note, ReadOptions};
 
 /// How many rows may stand before the header.
 const MAX_TITLES: usize = 20;
@@ -43,11 +43,11 @@ impl Header {
 impl Table {
     /// Takes the header off the rows, and with it what stands before it and does not belong to the table; none where the rows
     /// begin with points.
-    pub(super) fn take_header(&mut self, options: &ReadOptions) -> Result<Option<Header>, FormatError> {
+    pub(super) fn take_header(&mut self, options: &ReadOptions) -> Option<Header> {
         if let Some(names) = self.header.take() {
             let place = self.rows.first().map_or(RowPlace::Entry(1, None), |row| row.place);
             let names = names.iter().map(|name| column_names::normalized(name)).collect();
-            return Ok(Some(Header { names, units: Vec::new(), place }));
+            return Some(Header { names, units: Vec::new(), place });
         }
         self.take_count();
         let mut header = self.find_header(options);
@@ -63,7 +63,7 @@ impl Table {
                 header.names.pop();
             }
         }
-        Ok(header)
+        header
     }
 
     /// Files of points may begin with how many there are.
@@ -134,7 +134,9 @@ impl Table {
         let width = self.rows.first()?.cells.len();
         let mut above = self.comments.iter().rev().filter(|comment| comment.before == 0);
         above.find_map(|comment| {
-            self.splits(&comment.text).into_iter().find_map(|names| {
+            // Parted as the rows are, else by blanks, else by the usual signs.
+            let signs = [self.delimiter, None, Some(b','), Some(b';'), Some(b'\t')];
+            signs.into_iter().map(|sign| split_by(&comment.text, sign)).find_map(|names| {
                 let trimmed: Vec<&str> = names.iter().map(|name| name.trim()).collect();
                 (names.len() == width && Header::is_sure(&trimmed)).then(|| Header {
                     names: names.iter().map(|name| column_names::normalized(name)).collect(),
@@ -145,19 +147,9 @@ impl Table {
         })
     }
 
-    /// The cells of a comment: parted as the rows are, else by blanks, else by commas.
-    fn splits(&self, text: &str) -> Vec<Vec<String>> {
-        let by = |sign: u8| -> Option<Vec<String>> {
-            let mut reader =
-                csv::ReaderBuilder::new().has_headers(false).delimiter(sign).from_reader(text.trim().as_bytes());
-            let record = reader.records().next()?.ok()?;
-            Some(record.iter().map(str::to_owned).collect())
-        };
-        let blanks = whitespace::cells(text).0.into_iter().map(str::to_owned).collect();
-        let signs = self.delimiter.into_iter().chain([b',', b';', b'\t']);
-        let mut all: Vec<Vec<String>> = signs.filter_map(by).collect();
-        all.insert(usize::from(self.delimiter.is_some()), blanks);
-        all
+    /// The cells of a comment, parted as the rows are.
+    fn split(&self, text: &str) -> Vec<String> {
+        split_by(text, self.delimiter)
     }
 
     /// Rows that begin with `#` and are none the less data: tags or colours in a column that is no number.
@@ -173,7 +165,7 @@ impl Table {
         let is_row = |comment: &Comment| -> Option<Row> {
             let line = format!("#{}", comment.text);
             let cells = match self.delimiter {
-                Some(_) => self.splits(&line).into_iter().next()?,
+                Some(_) => self.split(&line),
                 None => line.split_whitespace().map(str::to_owned).collect(),
             };
             let row = Row::new(RowPlace::Line(comment.line), &cells);
@@ -189,21 +181,19 @@ impl Table {
             && y != 0
             && self.rows.iter().all(|row| self.parse(row.cell(0)).is_none())
             && (!self.rows.is_empty() || header.is_some() || self.comments.len() > 1);
-        let found: Vec<(usize, Row)> =
-            self.comments.iter().filter_map(|comment| is_row(comment).map(|row| (comment.before, row))).collect();
-        let is_error = |comment: &Comment| number::begins_with_error(&comment.text);
-        let errors = self.comments.iter().any(is_error);
+        let found: Vec<Row> = self.comments.iter().filter_map(is_row).collect();
+        let errors = self.comments.iter().any(|comment| number::begins_with_error(&comment.text));
         if (errors || first_is_text && (header.is_some() || self.rows.is_empty())) && !found.is_empty() {
             // Rows before the header are gone by now, so that only the order counts.
             let mut rows = std::mem::take(&mut self.rows);
-            rows.extend(found.into_iter().map(|(_, row)| row));
+            rows.extend(found);
             rows.sort_by_key(|row| row.place.line());
             self.rows = rows;
             return;
         }
         // Without a tag's column a number may stand right behind the sign.
         let commented = self.comments.iter().filter(|comment| {
-            let cells = self.splits(&comment.text).into_iter().next().unwrap_or_default();
+            let cells = self.split(&comment.text);
             let row = Row::new(RowPlace::Line(comment.line), &cells);
             let [x, y] = places.map_or([0, 1], |(columns, _)| columns);
             width.is_none_or(|width| cells.len() == width)
@@ -283,6 +273,14 @@ impl Table {
             }
         }
     }
+}
+
+/// The cells of a line, parted by a sign, or by blanks where there is none.
+fn split_by(text: &str, sign: Option<u8>) -> Vec<String> {
+    let Some(sign) = sign else { return whitespace::cells(text).0.into_iter().map(str::to_owned).collect() };
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).delimiter(sign).from_reader(text.trim().as_bytes());
+    let record = reader.records().next().and_then(Result::ok).unwrap_or_default();
+    record.iter().map(str::to_owned).collect()
 }
 
 impl Header {

@@ -59,8 +59,7 @@ impl Preview {
         preview.domains = reading.domains.iter().map(|&(name, domain)| (name, corners(domain))).collect();
         preview.columns = reading.columns.clone();
         preview.origin = reading.origin.clone();
-        let odd = std::mem::take(&mut preview.notes);
-        preview.notes = reading.notes.iter().cloned().chain(odd).collect();
+        preview.notes.splice(0..0, reading.notes.iter().cloned());
         preview
     }
 

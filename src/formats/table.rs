@@ -207,7 +207,7 @@ impl Table {
 
     /// The pattern these rows describe.
     pub(super) fn into_reading(mut self, format: FileFormat, options: &ReadOptions) -> Result<Reading, FormatError> {
-        let header = if self.roles.is_some() { None } else { self.take_header(options)? };
+        let header = if self.roles.is_some() { None } else { self.take_header(options) };
         if self.rows.len() > MAX_POINTS {
             return Err(self.too_many_points());
         }
@@ -216,7 +216,7 @@ impl Table {
         }
         let choice = match self.roles.take() {
             Some(roles) => Choice::fixed(roles),
-            None => Choice::of(&mut self, header.as_ref(), options)?,
+            None => Choice::of(&self, header.as_ref(), options)?,
         };
         let columns = choice.columns.clone();
         self.read(format, header.as_ref(), choice, options).map_err(|error| error.with_columns(&columns))
@@ -273,7 +273,7 @@ impl Table {
         let outline = window.as_ref().and_then(|window| areas::around(window, &positions));
         let declared = options.domain.or(declared).or(outline);
         let guess = match declared {
-            Some(domain) => Guess { domain, choices: Vec::new(), notes: Vec::new() },
+            Some(domain) => Guess::told(domain),
             None => Guess::of(&positions)?,
         };
         let domain = guess.domain;

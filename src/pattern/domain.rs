@@ -93,12 +93,17 @@ impl Domain {
     /// # Errors
     /// Those of [`Self::new`].
     pub fn spanning(low: DVec2, high: DVec2) -> Result<Self, PatternError> {
+        Self::holding(low, high - low, [low, high])
+    }
+
+    /// The rectangle from its lower corner and its size, a digit or two of the coordinates longer where rounding would leave the
+    /// upper one of two places outside.
+    pub(crate) fn holding(min: DVec2, mut size: DVec2, [low, high]: [DVec2; 2]) -> Result<Self, PatternError> {
         let digit = low.abs().max(high.abs()) * f64::EPSILON;
-        let mut size = high - low;
         for _ in 0..4 {
-            size += DVec2::select(high.cmpgt(low + size), digit, DVec2::ZERO);
+            size += DVec2::select(high.cmpgt(min + size), digit, DVec2::ZERO);
         }
-        Self::new(low, size)
+        Self::new(min, size)
     }
 
     /// The lower corner.

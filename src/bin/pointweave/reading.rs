@@ -63,7 +63,7 @@ impl ReadArguments {
         let reading = files::read(input, &options)?;
         // What the gallery holds is as it is meant to be.
         if !input.to_str().is_some_and(|name| name.starts_with("gallery:")) {
-            let notes = formats::Preview::of(&reading).notes;
+            let notes = [reading.notes.as_slice(), &formats::oddities(&reading.pattern)].concat();
             self.tell(&files::input_name(input), &notes, quiet)?;
         }
         let Reading { pattern, origin, window, is_domain_declared, .. } = reading;

@@ -272,7 +272,7 @@ fn page_or_points(canvas: &Canvas, positions: &[DVec2]) -> Result<Guess, FormatE
             .as_ref()
             .map_or(true, |guess| guess.domain == Domain::UNIT || 2.0 * guess.domain.area() >= page.area())
     {
-        return Ok(Guess { domain: page, choices: Vec::new(), notes: Vec::new() });
+        return Ok(Guess::told(page));
     }
     guessed
 }
