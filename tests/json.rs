@@ -1,17 +1,13 @@
 //! JSON and GeoJSON as people have them: one test a kind of trouble, each with a file of its own.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop at the first surprise")]
 
+#[path = "common/readings.rs"]
+mod readings;
+
 use glam::DVec2;
 use pointweave::Boundary;
-use pointweave::formats::{FormatError, Note, NoteKind, ReadOptions, Reading, open, write_geojson};
-
-/// 8 × 5 places, no two on a line.
-fn places() -> Vec<DVec2> {
-    let jitter = |i: usize, step: usize| ((i * step) % 7) as f64 * 0.31;
-    (0..40)
-        .map(|i| DVec2::new((i % 8) as f64 * 12.5 + jitter(i, 3) + 5.0, (i / 8) as f64 * 11.0 + jitter(i, 5) + 4.0))
-        .collect()
-}
+use pointweave::formats::{FormatError, NoteKind, ReadOptions, Reading, open, write_geojson};
+use readings::{has_places, noted, places};
 
 fn species(i: usize) -> &'static str {
     ["oak", "elm", "fir"][i % 3]
@@ -43,23 +39,8 @@ fn opened(text: impl AsRef<[u8]>) -> Reading {
 
 #[track_caller]
 fn is_whole(reading: &Reading, attributes: &[&str], classes: &[&str]) {
-    let found = reading.pattern.positions();
-    assert_eq!(found.len(), 40);
-    for (found, wanted) in found.iter().zip(places()) {
-        assert!((*found - wanted).length() < 1e-9, "{found} is not {wanted}");
-    }
-    let names: Vec<&str> = reading.pattern.attributes().iter().map(|attribute| attribute.name.as_str()).collect();
-    assert_eq!(names, attributes);
+    has_places(reading, attributes);
     assert_eq!(reading.pattern.class_names(), classes);
-}
-
-fn has(notes: &[Note], kind: NoteKind, parts: &[&str]) -> bool {
-    notes.iter().any(|note| note.kind == kind && parts.iter().all(|part| note.text.contains(part)))
-}
-
-#[track_caller]
-fn noted(reading: &Reading, kind: NoteKind, parts: &[&str]) {
-    assert!(has(&reading.notes, kind, parts), "{:#?} without {parts:?}", reading.notes);
 }
 
 #[test]

@@ -1,20 +1,16 @@
 //! Tables as people have them: one test a kind of trouble, each with a table of its own.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may stop at the first surprise")]
 
+#[path = "common/readings.rs"]
+mod readings;
+
 use std::fmt::Write as _;
 
 use glam::DVec2;
 use pointweave::formats::{
     ColumnChoice, ColumnRole, FormatError, NoteKind, ReadOptions, Reading, open, write_csv_like,
 };
-
-/// 8 × 5 places, no two on a line, with two decimals.
-fn places() -> Vec<DVec2> {
-    let jitter = |i: usize, step: usize| ((i * step) % 7) as f64 * 0.31;
-    (0..40)
-        .map(|i| DVec2::new((i % 8) as f64 * 12.5 + jitter(i, 3) + 5.0, (i / 8) as f64 * 11.0 + jitter(i, 5) + 4.0))
-        .collect()
-}
+use readings::{has_places, noted, places};
 
 /// A line a place.
 fn rows(line: impl Fn(usize, DVec2) -> String) -> String {
@@ -41,20 +37,8 @@ fn refused(bytes: impl AsRef<[u8]>) -> String {
 /// The places are the table's, and these are its attributes and its number of classes.
 #[track_caller]
 fn is_whole(reading: &Reading, attributes: &[&str], classes: usize) {
-    let found = reading.pattern.positions();
-    assert_eq!(found.len(), 40);
-    for (found, wanted) in found.iter().zip(places()) {
-        assert!((*found - wanted).length() < 1e-9, "{found} is not {wanted}");
-    }
-    let names: Vec<&str> = reading.pattern.attributes().iter().map(|attribute| attribute.name.as_str()).collect();
-    assert_eq!(names, attributes);
+    has_places(reading, attributes);
     assert_eq!(reading.pattern.class_names().len(), classes, "{:?}", reading.pattern.class_names());
-}
-
-#[track_caller]
-fn noted(reading: &Reading, kind: NoteKind, parts: &[&str]) {
-    let fits = reading.notes.iter().any(|note| note.kind == kind && parts.iter().all(|part| note.text.contains(part)));
-    assert!(fits, "{:#?} without {parts:?}", reading.notes);
 }
 
 #[track_caller]
